@@ -25,6 +25,7 @@ from .model.bodies import Link, RigidBody
 from .model.joints import ClearanceRevolute, ClearanceSlider, ExternalContact
 from .modelfile.read import load as read
 from .numerics.scalar import atan2, cos, sin
+from .options import with_faults
 
 Number = float | None  # None: as in the file
 Numbers = Sequence[float] | None
@@ -58,6 +59,7 @@ def _crank(speed: float | None, turns: float | None) -> dict[str, Any]:
     return {"driver.crank.speed": speed, "run.turns": turns}
 
 
+@with_faults()
 def block_on_incline(
     *,
     slope: Number = None,
@@ -90,6 +92,7 @@ def block_on_incline(
     return m
 
 
+@with_faults()
 def compressor(*, wear: float = 1.0, speed: Number = None, turns: Number = None) -> Mechanism:
     """Build an air compressor whose clearances are those of new parts times ``wear``; with 0 its joints are
     ideal.
@@ -103,6 +106,7 @@ def compressor(*, wear: float = 1.0, speed: Number = None, turns: Number = None)
     return m
 
 
+@with_faults()
 def four_bar(
     *, clearance: Number = None, loose: str = "BCD", speed: Number = None, turns: Number = None
 ) -> Mechanism:
@@ -116,11 +120,13 @@ def four_bar(
     return m
 
 
+@with_faults()
 def four_bar_ideal(*, speed: Number = None, turns: Number = None) -> Mechanism:
     """Four-bar with rigid links and ideal joints, joint C above the line of the ground's pivots."""
     return load("four_bar_ideal", _crank(speed, turns))
 
 
+@with_faults()
 def four_bar_loose(
     *, clearance: Number = None, friction: Number = None, duration: Number = None
 ) -> Mechanism:
@@ -132,11 +138,13 @@ def four_bar_loose(
     return load("four_bar_loose", {**values, "run.duration": duration})
 
 
+@with_faults()
 def four_bar_case_b(*, clearance: Number = None, speed: Number = None, turns: Number = None) -> Mechanism:
     """Four-bar with rigid links and one clearance joint, C: reference case b."""
     return load("four_bar_case_b", {"joint.C.clearance": clearance} | _crank(speed, turns))
 
 
+@with_faults()
 def four_bar_case_c(*, clearance: Number = None, speed: Number = None, turns: Number = None) -> Mechanism:
     """Four-bar with rigid links and three clearance joints, B, C and D: reference case c."""
     return load(
@@ -144,6 +152,7 @@ def four_bar_case_c(*, clearance: Number = None, speed: Number = None, turns: Nu
     )
 
 
+@with_faults()
 def elastica_circle(
     *, length: Number = None, elements: int | None = None, factors: Numbers = None
 ) -> Mechanism:
@@ -161,6 +170,7 @@ def elastica_circle(
     return m
 
 
+@with_faults()
 def williams_toggle(*, elements: int | None = None, drops: Numbers = None) -> Mechanism:
     """Build a shallow clamped toggle whose apex is pushed down by ``drops`` (inches, the load factors); the
     force of the driver is the load.
@@ -169,6 +179,7 @@ def williams_toggle(*, elements: int | None = None, drops: Numbers = None) -> Me
     return load("williams_toggle", {**members, "run.load_factors": drops and list(drops)})
 
 
+@with_faults()
 def lee_frame(*, elements: int | None = None, drops: Numbers = None) -> Mechanism:
     """Build a hinged right-angled frame, pushed down at a fifth of its beam by ``drops`` (m, the load
     factors), with ``elements`` on each side.
@@ -178,6 +189,7 @@ def lee_frame(*, elements: int | None = None, drops: Numbers = None) -> Mechanis
     return load("lee_frame", {**members, "run.load_factors": drops and list(drops)})
 
 
+@with_faults()
 def gear_train(
     *,
     stall_torque: Number = None,
@@ -204,6 +216,7 @@ def gear_train(
     })  # fmt: skip
 
 
+@with_faults()
 def jansen_leg(
     *, unit: float = 0.01, speed: Number = None, turns: Number = None, density: float = 0.5
 ) -> Mechanism:
@@ -232,6 +245,7 @@ def jansen_leg(
     return m
 
 
+@with_faults()
 def jansen_leg_loose(
     *, clearance: Number = None, speed: Number = None, turns: Number = None, strut: Number = None
 ) -> Mechanism:
@@ -240,6 +254,7 @@ def jansen_leg_loose(
     return load("jansen_leg_loose", {"body.strut.length": strut, **changes, **_crank(speed, turns)})
 
 
+@with_faults()
 def journal_in_bearing(
     *, mass: Number = None, speed: Number = None, clearance: Number = None, contact: ContactLaw | None = None
 ) -> Mechanism:
@@ -255,6 +270,7 @@ def journal_in_bearing(
     return m
 
 
+@with_faults()
 def double_pendulum(
     *, lengths: Numbers = None, masses: Numbers = None, angles: Numbers = None, duration: Number = None
 ) -> Mechanism:
@@ -265,6 +281,7 @@ def double_pendulum(
     return load("double_pendulum", changes)
 
 
+@with_faults()
 def elastic_pendulum(
     *, length: Number = None, diameter: Number = None, youngs_modulus: Number = None, density: Number = None,
     elements: int | None = None, duration: Number = None,
@@ -282,6 +299,7 @@ def elastic_pendulum(
     })  # fmt: skip
 
 
+@with_faults()
 def six_bar_press(*, speed: Number = None, turns: Number = None) -> Mechanism:
     """Build a crank-rocker whose hanging rocker, extended beyond its coupler pin, drives a ram
     through a rod.
@@ -291,6 +309,7 @@ def six_bar_press(*, speed: Number = None, turns: Number = None) -> Mechanism:
     return load("six_bar_press", _crank(speed, turns))
 
 
+@with_faults()
 def toggle_press(
     *, arm: float = 0.20, angle: float = math.radians(20.0), force: Number = None, stiffness: Number = None
 ) -> Mechanism:
@@ -306,6 +325,7 @@ def toggle_press(
     })  # fmt: skip
 
 
+@with_faults()
 def quick_return(
     *,
     crank: float = 0.10,
@@ -327,6 +347,7 @@ def quick_return(
     })  # fmt: skip
 
 
+@with_faults()
 def scissor_lift(
     *,
     arm: float = 1.0,
@@ -350,6 +371,7 @@ def scissor_lift(
     return _load("scissor_lift", changes)
 
 
+@with_faults()
 def scotch_yoke(
     *, crank: float = 0.05, mass: Number = None, speed: Number = None, turns: Number = None
 ) -> Mechanism:
@@ -363,16 +385,19 @@ def scotch_yoke(
     })  # fmt: skip
 
 
+@with_faults()
 def slider_crank(*, speed: Number = None, turns: Number = None) -> Mechanism:
     """Slider-crank with ideal joints; speed of the crank in rad/s."""
     return load("slider_crank", _crank(speed, turns))
 
 
+@with_faults()
 def piston_slap(*, restitution: Number = None, speed: Number = None, turns: Number = None) -> Mechanism:
     """Load a slider-crank whose small block has clearance between two walls; ``restitution`` (1)."""
     return load("piston_slap", {"joint.guide.contact.restitution": restitution, **_crank(speed, turns)})
 
 
+@with_faults()
 def slider_crank_free(
     *, clearance: Number = None, friction: Number = None, duration: Number = None
 ) -> Mechanism:
@@ -392,6 +417,7 @@ def _surfaces(
     }
 
 
+@with_faults()
 def slider_crank_loose_pin(
     *,
     clearance: Number = None,
@@ -407,6 +433,7 @@ def slider_crank_loose_pin(
     )
 
 
+@with_faults()
 def slider_crank_loose_guide(
     *,
     clearance: Number = None,
@@ -422,6 +449,7 @@ def slider_crank_loose_guide(
     )
 
 
+@with_faults()
 def squeezer(
     *, torque: Number = None, stiffness: Number = None, duration: Number = None, **settings: Any
 ) -> Mechanism:

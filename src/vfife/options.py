@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
 
@@ -81,6 +81,69 @@ def named_interrupt(caller: str) -> Iterator[None]:
         raise KeyboardInterrupt(sentence) from None
 
 
+def refuse_arguments(
+    caller: str,
+    signature: Mapping[str, inspect.Parameter],
+    values: Sequence[Any],
+    values_by_name: Mapping[str, Any],
+) -> None:
+    """Raise ArgumentError for a call of the function ``caller`` with unknown, superfluous or missing
+    arguments; ``signature`` are its parameters by name.
+    """
+    positional = inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD
+    leading = [name for name, parameter in signature.items() if parameter.kind in positional]
+    named = [name for name in signature if signature[name].kind is inspect.Parameter.KEYWORD_ONLY]
+    is_open = any(parameter.kind is parameter.VAR_KEYWORD for parameter in signature.values())
+    required = [name for name in (*leading, *named) if signature[name].default is inspect.Parameter.empty]
+    present = {*leading[: len(values)], *values_by_name}
+    faults = [
+        Fault(
+            (name,), "there is no such keyword", shown(value), "", suggestion(name, signature, "leave it out")
+        )
+        for name, value in values_by_name.items()
+        if name not in signature and not is_open
+    ]
+    if not faults and len(values) > len(leading):
+        allowed = f"only {', '.join(leading)} may be given without a name" if leading else "all have names"
+        remedy = f"name it, as in {named[0]}=..." if named else "leave it out"
+        value = shown(values[len(leading)])
+        faults = [Fault(f"argument {len(leading) + 1}", allowed, value, "", remedy)]
+    if not faults:
+        faults = [
+            Fault((name,), "this argument is given twice", shown(values_by_name[name]), "", "leave one out")
+            for name in leading[: len(values)]
+            if name in values_by_name
+        ]
+    if not faults:
+        missing = [name for name in required if name not in present]
+        faults = [Fault((name,), "this argument is missing", remedy=f"add {name}=...") for name in missing]
+    if faults:
+        raise ArgumentError(faults, f"{caller}()")
+
+
+def with_faults(*groups: type) -> Callable[[Function], Function]:
+    """Return a decorator for a function whose unknown, superfluous and missing arguments raise ArgumentError;
+    the keywords in its ``**options``, if it has any, are those of the ``groups``.
+    """
+
+    def decorate(function: Function) -> Function:
+        signature = dict(inspect.signature(function).parameters)
+        rest = [name for name, parameter in signature.items() if parameter.kind is parameter.VAR_KEYWORD]
+        if rest and groups:
+            del signature[rest[0]]
+        for name in (name for group in groups for name in group.__annotations__):
+            signature[name] = inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None)
+
+        @functools.wraps(function)
+        def call(*values: Any, **values_by_name: Any) -> Any:
+            refuse_arguments(function.__name__, signature, values, values_by_name)
+            return function(*values, **values_by_name)
+
+        return call  # type: ignore[return-value]
+
+    return decorate
+
+
 def with_options(group: type, **defaults: Any) -> Callable[[Function], Function]:
     """Return a decorator that gives a function with ``**options`` the keywords of a group, with ``defaults``
     or None.
@@ -93,34 +156,7 @@ def with_options(group: type, **defaults: Any) -> Callable[[Function], Function]
     def decorate(function: Function) -> Function:
         @functools.wraps(function)
         def call(*values: Any, **values_by_name: Any) -> Any:
-            if strange := [name for name in values_by_name if name not in signature]:
-                faults = [
-                    Fault(
-                        (name,),
-                        "there is no such keyword",
-                        shown(values_by_name[name]),
-                        "",
-                        suggestion(name, signature, "leave it out"),
-                    )
-                    for name in strange
-                ]
-                raise ArgumentError(faults, f"{function.__name__}()")
-            if len(values) > len(leading):
-                allowed = f"only {', '.join(leading)} may be given without a name"
-                remedy = f"name it, as in {next(iter(names))}=..."
-                fault = Fault(
-                    f"argument {len(leading) + 1}", allowed, shown(values[len(leading)]), "", remedy
-                )
-                raise ArgumentError([fault], f"{function.__name__}()")
-            if lacking := [
-                name
-                for name in leading[len(values) :]
-                if name not in values_by_name and signature[name].default is inspect.Parameter.empty
-            ]:
-                faults = [
-                    Fault((name,), "this argument is missing", remedy=f"add {name}=...") for name in lacking
-                ]
-                raise ArgumentError(faults, f"{function.__name__}()")
+            refuse_arguments(function.__name__, signature, values, values_by_name)
             with named_interrupt(function.__name__):
                 return function(*values, **{**names, **values_by_name})
 
@@ -129,9 +165,6 @@ def with_options(group: type, **defaults: Any) -> Callable[[Function], Function]
             parameter
             for parameter in declared.parameters.values()
             if parameter.kind is not parameter.VAR_KEYWORD
-        ]
-        leading = [
-            parameter.name for parameter in parameters if parameter.kind is parameter.POSITIONAL_OR_KEYWORD
         ]
         keywords = [
             inspect.Parameter(

@@ -3,6 +3,7 @@
 import signal
 import sys
 
+import numpy as np
 import pytest
 
 from dynamics.test_maps import oscillator
@@ -45,6 +46,22 @@ def test_faults_of_a_section_are_sentences(arguments, expected):
 def test_faults_of_ends_are_sentences(low, high, expected):
     with pytest.raises(ModelError, match=rf"bifurcation\(\), {expected}"):
         bifurcation(oscillator(), PATH, low, high, **QUICK)
+
+
+@pytest.mark.parametrize("function", [bifurcation, waterfall])
+def test_a_range_without_extent_is_refused(function):
+    sentence = rf"{function.__name__}\(\), high = .1 N s/m.: {PATH} has the same value at both ends"
+    with pytest.raises(ModelError, match=sentence):
+        function(oscillator(), PATH, "1 N s/m", "1 N s/m", count=2)
+    with pytest.raises(ModelError, match=r"basins\(\), high = 1.0: .* has the same value at both ends"):
+        basins(oscillator(), (PATH, 1.0, 1.0), AXES[0], count=2, **QUICK_GRID)
+
+
+def test_a_sweep_of_a_single_value_has_an_exponent():
+    """The difference that is followed is a share of the value, because there is no range."""
+    single = bifurcation(oscillator(), PATH, 1.0, 1.0, **QUICK | {"count": 1})
+    several = bifurcation(oscillator(), PATH, 1.0, 2.0, **QUICK)
+    assert np.allclose(single.exponents[0, 0], several.exponents[0, 0], rtol=1e-3)
 
 
 AXES = ("driver.crank.speed", 8.0, 10.0), (PATH, 1.0, 2.0)
@@ -126,3 +143,13 @@ def test_ctrl_c_while_the_step_is_looked_for_is_named(monkeypatch, function, arg
             function(oscillator(), *arguments)
     finally:
         signal.signal(signal.SIGINT, former)
+
+
+def test_basins_vary_a_velocity_that_the_model_leaves_at_zero():
+    """A list is no number: the sentence names its elements, which are."""
+    axes = ("body.block.velocity.0", -0.1, 0.1), ("body.block.position.0", "0 mm", "1 mm")
+    found = basins(oscillator(), *axes, count=2, **QUICK_GRID)
+    first, last = (found.points[k][-1, 0] for k in (0, 3))
+    assert found.done == 4 and first != last
+    with pytest.raises(ModelError, match=r"body\.block\.velocity: .* \"body\.block\.velocity\.0\""):
+        basins(oscillator(), ("body.block.velocity", -0.1, 0.1), axes[1], count=2, **QUICK_GRID)

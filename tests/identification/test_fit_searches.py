@@ -57,13 +57,13 @@ class Closed:
         return Trace(t, self.form(t, numbers, self.length.step)[:, None], turn)
 
 
-def fitted(curves, names, truth, *, noise=NOISE, offset=None, starts=1, screened=8, known=0.0):
+def fitted(curves, names, truth, *, noise=NOISE, offset=None, starts=1, screened=8, known=0.0, progress=None):
     """A fit to the form at its finest step; what the search left, and the fit."""
     sought = [FitParameter(name, (name,), "m", 0.0, 1.0) for name in names]
     values = curves.form(PLACES + known, truth, 0.0)
     seen = Measured("time", PLACES, (Curve("x", "x", values + noise * values.std()),))
     misfit = Misfit(seen, offset or Offset(0.0, 0.0), 0.0)
-    looked = Evaluations([FitRecord(curves, sought, misfit)], sought)
+    looked = Evaluations([FitRecord(curves, sought, misfit)], sought, progress=progress)
     ended = Search()
     Descents(looked, ended, "differences").run(screened, starts, 3)
     slopes = looked.slopes(Query(tuple(looked.best[1]), None, False), looked.best[2])
@@ -92,6 +92,23 @@ def test_a_search_that_ended_in_a_wrong_place_is_begun_again_from_others():
     assert found["pitch"].value == pytest.approx(0.52, abs=1e-3) and found.share == pytest.approx(
         0.02, rel=0.15
     )
+
+
+def test_progress_grows_to_its_end_only_when_the_fit_ends():
+    """The number of runs that it is a share of allows for restarts, and shrinks when none is needed."""
+    reports = []
+    looked, ended, _ = fitted(
+        Closed(two_hills), ("pitch", "loud"), {"pitch": 0.52, "loud": 0.85}, screened=24,
+        progress=lambda state: reports.append((looked_runs(state), state.done / state.steps)),
+    )  # fmt: skip
+    shares = [share for _, share in reports]
+    assert len(ended.ends) > 1 and shares == sorted(shares) and shares[-1] < 1.0
+    looked.finish()
+    assert reports[-1] == (looked.runs, 1.0)
+
+
+def looked_runs(state):
+    return int(state.text.split(" ")[0])
 
 
 def test_noise_alone_is_not_searched_again():

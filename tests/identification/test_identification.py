@@ -551,6 +551,7 @@ def test_the_command_finds_writes_and_says_so(tmp_path):
     answer = CliRunner().invoke(app, ["fit", str(model), str(path), *options, *more])
     assert answer.exit_code == 0, answer.output
     assert "forecast: about 96 runs of 1,000 steps" in answer.stderr
+    assert "48 to 725 runs by how the searches go, at most" in answer.stderr
     assert "spring.k.damping" in answer.output and "95 % confidence" in answer.output
     assert (
         vfife.load(out).springs["k"].stiffness == pytest.approx(STIFFNESS, rel=1e-2)

@@ -14,6 +14,7 @@ from vfife.model.drivers import Harmonic
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
 from vfife.model.validation.plausibility import suspects
+from vfife.report.overview import cautions
 
 
 def linkage(coupler: float = 0.28, unit: float = 1.0) -> Mechanism:
@@ -41,10 +42,14 @@ def without(m: Mechanism, *joints: str) -> Mechanism:
     return m
 
 
-def with_clearance(m: Mechanism, clearance: float) -> Mechanism:
+def with_clearance(m: Mechanism, clearance: float, bearing_radius: float = 0.1) -> Mechanism:
     del m.joints["C"]
-    m.clearance_joint("C", "coupler.end", "rocker.end", clearance=clearance, bearing_radius=0.1)
+    m.clearance_joint("C", "coupler.end", "rocker.end", clearance=clearance, bearing_radius=bearing_radius)
     return m
+
+
+def with_bearing(m: Mechanism, radius: float) -> Mechanism:
+    return with_clearance(m, 1.5e-4, radius)
 
 
 def rushing(m: Mechanism) -> Mechanism:
@@ -68,6 +73,7 @@ def swinging(m: Mechanism) -> Mechanism:
         (linkage(280.0), ["body.coupler.length is 280 m, 1,273 times the others", "280 mm?"]),
         (linkage(0.28e-3), ["body.coupler.length is 0.28 mm", "times smaller"]),
         (linkage(unit=1e3), ["ground.D is 300 m long", "not mm?"]),
+        (with_bearing(linkage(), 8.0), ["joint.C.bearing_radius is 8 m, more than the", "is it 8 mm?"]),
         (with_clearance(linkage(), 0.08), ["joint.C.clearance is 80 mm, 80 % of", "is it 0.08 mm?"]),
         (rushing(linkage()), ["driver.crank.speed is 3,000 rad/s, which is 28,647.9 rpm", "is it 3000 rpm?"]),
         (turned(linkage()), ["body.coupler.angle is 50 rad, which is 7.96 turns", "50 deg?"]),
@@ -93,6 +99,7 @@ def swinging(m: Mechanism) -> Mechanism:
         "metres",
         "tiny",
         "all in millimetres",
+        "radius in metres",
         "clearance in metres",
         "rpm",
         "radians",
@@ -281,3 +288,13 @@ def test_a_clearance_without_a_unit_is_asked_for_in_millimetres() -> None:
     assert "Is it 0.08 mm? Numbers without units are metres" in str(fault)
     (fault,) = dataclasses.replace(joint, clearance=80.0).conflicts()
     assert "check the units of both" in str(fault).lower()
+
+
+@pytest.mark.parametrize("clearance", [1.5e-4, 0.03])
+def test_a_doubtful_radius_or_clearance_is_the_first_caution_of_a_run(clearance: float) -> None:
+    """It explains those about step, loads and pressures; check() has it too, and a run has it once."""
+    m = with_clearance(linkage(), clearance, 8.0 if clearance < 1e-3 else 0.1)
+    caution = next(text for text in suspects(m) if text.startswith("joint.C."))
+    assert caution in str(m.check())
+    summary = vfife.simulate(m, duration=0.002, outputs=10, companions=0).summary
+    assert next(cautions(summary)) == caution and list(cautions(summary)).count(caution) == 1

@@ -165,3 +165,25 @@ def test_numbers_of_shared_materials_and_other_values_are_held_by_no_object() ->
     assert not holds(mechanism, "joint.C.clearance", 3e-4)
     assert not holds(mechanism, "material.steel.density", 7800.0)
     assert not holds(dataclasses.replace(mechanism, joints={}), "joint.C.clearance", 2e-4)
+
+
+@pytest.mark.parametrize("path", ["velocity.0", "velocity.2", "position.1"])
+def test_elements_of_lists_exist_where_the_model_has_the_default(path: str) -> None:
+    """As paths of objects and of tables: both give the same mechanism."""
+    mechanism = loads(FOUR_BAR)
+    key, place = path.split(".")
+    changed = Parameter(mechanism, f"body.coupler.{path}").set(0.25)
+    assert changed == loads(dump(mechanism), [(f"body.coupler.{path}", 0.25)])
+    values = getattr(changed.bodies["coupler"], key)
+    assert values == tuple(0.25 * (k == int(place)) for k in range(len(values)))
+    assert Parameter(mechanism, f"body.coupler.{path}").unit == (
+        "rad/s" if path == "velocity.2" else "m/s" if key == "velocity" else "m"
+    )
+
+
+def test_a_list_without_an_element_of_a_number_is_refused() -> None:
+    with pytest.raises(Fault, match="body.coupler.velocity is a list of 3"):
+        Parameter(tables_of(loads(FOUR_BAR)), "body.coupler.velocity.3")
+    assert Parameter(loads(FOUR_BAR), "body.coupler.velocity").elements == [
+        f"body.coupler.velocity.{k}" for k in range(3)
+    ]

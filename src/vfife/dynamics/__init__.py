@@ -9,6 +9,7 @@ from typing import TypeAlias
 
 from ..errors import RunFileError
 from ..measures.modes import modes
+from ..options import with_faults
 from ..results.spectra import envelope, spectrogram, spectrum
 from ..store.connections import warn_of_damage
 from ..store.studyfile import MapFile
@@ -36,6 +37,7 @@ KINDS: dict[str, type[AnyMap]] = {
 }
 
 
+@with_faults()
 def load_map(path: str | Path) -> AnyMap:
     """Return the diagram, section, basins or waterfall of a map file, as far as it is computed.
 

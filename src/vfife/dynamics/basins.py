@@ -207,9 +207,8 @@ class Basins(CheckedMap):
         decided.
         """
         exponents = {k: exponent(growth) if len(growth) > 1 else None for k, growth in self.growth.items()}
-        ranges = partial(motion_ranges, self.spec)
         motions = {
-            k: verdict(points, exponents[k], ranges=ranges)
+            k: verdict(points, exponents[k], ranges=partial(motion_ranges, self.spec, points))
             for k, points in sorted(self.points.items())
             if len(points)
         }

@@ -155,7 +155,7 @@ class Bifurcation(CheckedMap):
             growth[chain, value] = logarithms
             largest = exponent(logarithms)
             exponents[chain, value] = largest.value, *largest.halves
-            kinds[chain][value] = verdict(values, largest, ranges=partial(motion_ranges, spec)).kind
+            kinds[chain][value] = verdict(values, largest, ranges=partial(motion_ranges, spec, values)).kind
         ordered = tuple(
             sorted(companions, key=lambda companion: (companion.way, companion.number, companion.ratio))
         )
@@ -189,10 +189,9 @@ class Bifurcation(CheckedMap):
 
     def verdict(self, chain: int, value: int) -> Verdict:
         """Return the kind of motion at a value of a chain, with its evidence."""
+        points = self._series(chain, value)
         return verdict(
-            self._series(chain, value),
-            exponent(self.growth[chain, value]),
-            ranges=partial(motion_ranges, self.spec),
+            points, exponent(self.growth[chain, value]), ranges=partial(motion_ranges, self.spec, points)
         )
 
     def _series(self, chain: int, value: int) -> Array:
@@ -382,7 +381,9 @@ def end_neighbours(spec: SweepSpec, chain: int) -> Neighbours:
     the inside of the range, so that both can be assembled.
     """
     low, high = spec.values[0], spec.values[-1]
-    span = NEIGHBOUR_SHARE * (high - low)
+    span = NEIGHBOUR_SHARE * (
+        high - low or abs(low) or 1.0
+    )  # of a single value, which has no range, its size
     inner = low + span if chain == 0 else high - 2.0 * span
     up, down = (
         with_steps(loads(spec.model, set=[(spec.path, value)]), spec.steps) for value in (inner + span, inner)

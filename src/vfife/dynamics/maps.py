@@ -272,7 +272,7 @@ def unit_at(mechanism: Mechanism, path: str) -> str:
             pairs = zip(name.split("."), keys, strict=False)
             return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
 
-        paths = sorted(numbers(mechanism), key=shared_keys, reverse=True)
+        paths = number.elements or sorted(numbers(mechanism), key=shared_keys, reverse=True)
         raise ValueError(f"{path}: this is not a number of the model; {suggestion(path, paths, 'name one')}")
     return number.unit
 

@@ -120,7 +120,7 @@ class PoincareSection(Map):
     def verdict(self) -> Verdict:
         """Kind of the motion, with the evidence."""
         points = np.stack(list(self.points.values()), axis=1)
-        return verdict(points, self.exponent, ranges=partial(motion_ranges, self.spec))
+        return verdict(points, self.exponent, ranges=partial(motion_ranges, self.spec, points))
 
     def plot(self) -> Figure:
         """Return a figure of the points once a turn, the convergence of the exponent, and contact onsets."""

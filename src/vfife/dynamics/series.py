@@ -24,6 +24,8 @@ PROBE_TURNS, PROBE_OUTPUTS = 2, 36
 # A series varies if its range exceeds this share of the largest value of its kind. It is far above rounding,
 # so that the choice is the same on every machine.
 VARIATION = 1e-6
+# Ending of the names of series that record the largest value since the record before.
+PEAK = "_max"
 # Series of a body, grouped by unit. Places distinguish potential wells; speeds do not where the body rests.
 MOTIONS = (("angular_velocity",), ("x", "y"))
 
@@ -100,9 +102,17 @@ def variations(assembly: Assembly, kinds: Iterable[Sequence[str]]) -> dict[str, 
     return ranges
 
 
-def motion_ranges(spec: Any) -> Array:
-    """Return the range of each series of a map in the first turns of its model, shape (series,)."""
-    return _ranges(spec.model, spec.series, spec.steps)
+def motion_ranges(spec: Any, points: Array) -> Array:
+    """Return the size of each series of a map in a motion, of which ``points`` are recorded once a turn,
+    shape (turns, series): its range in the first turns of the model, or the largest recorded peak.
+
+    A peak is the largest value of a turn, so it is the size of the motion itself, as for the turns of a run.
+    The model may have no contact yet in its first turns.
+    """
+    ranges, points = _ranges(spec.model, spec.series, spec.steps), points.reshape(len(points), -1)
+    peaks = np.abs(points).max(axis=0, initial=0.0)
+    is_peak = np.array([name.endswith(PEAK) for name in spec.series])
+    return np.where(is_peak, np.maximum(ranges, peaks), ranges)
 
 
 @lru_cache(maxsize=4)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
-from ..errors import Fault, ModelError, suggestion
+from ..errors import Fault, ModelError, shown, suggestion
 from ..kinematics.initial import ideal_motion
 from ..kinematics.start import Seat, StartState
 from ..model.functions import bodies_at_rest, turn_of
@@ -81,8 +81,8 @@ def values_between(
     """Return ``count`` equally spaced values (SI) of the number at ``path``, from one to the other of two
     ``ends``, which are numbers (SI) or texts with a unit.
 
-    Raises ModelError, in the name of the public ``function``, for an unknown path or an end that is no value
-    of the number.
+    Raises ModelError, in the name of the public ``function``, for an unknown path, an end that is no value of
+    the number, and equal ends of several values.
     """
     arguments = Arguments(function)
     arguments.mechanism(mechanism)
@@ -97,6 +97,10 @@ def values_between(
         if end is None:
             arguments.fault(name, "a value is missing", end, f"a number in {unit.unit}", "give one")
     low, high = (arguments.read(name, unit, end) for name, end in zip(("low", "high"), ends, strict=True))
+    arguments.check()
+    if low == high and count > 1:
+        message, remedy = f"{path} has the same value at both ends", "give another end, or count = 1"
+        arguments.fault("high", message, ends[1], f"another value than low = {shown(ends[0])}", remedy)
     arguments.check()
     return tuple(np.linspace(low, high, count).tolist())
 

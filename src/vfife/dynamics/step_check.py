@@ -188,7 +188,7 @@ def chain_companions(
         rows, growth = runner.growing(spec.turns, spec.dropped, neighbours)
         for k, variant in enumerate(variants):
             points = series_values(variant, runner.row_numbers, rows[:, :, k], spec.series, runner.turn)
-            kind = verdict(points, exponent(growth[:, k]), ranges=partial(motion_ranges, spec)).kind
+            kind = verdict(points, exponent(growth[:, k]), ranges=partial(motion_ranges, spec, points)).kind
             companions.append(Companion(numbers[k], k, ratio, kind))
     return companions
 
@@ -229,5 +229,5 @@ def start_companions(
         for orbit, points in orbits(spec, neighbours, [make(number, steps) for number in sample], steps):
             if orbit.assembly is not None:
                 growth = exponent(orbit.growth) if len(orbit.growth) else None
-                kind = verdict(points, growth, ranges=partial(motion_ranges, spec)).kind
+                kind = verdict(points, growth, ranges=partial(motion_ranges, spec, points)).kind
                 yield Companion(orbit.number, 0, ratio, kind)

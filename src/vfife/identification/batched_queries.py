@@ -196,13 +196,22 @@ class Evaluations:
     parameters: Sequence[FitParameter]
     file: FitFile | None = None
     progress: Callable[[Progress], None] | None = None
-    expected: int = 1
     points: list[tuple[float, tuple[float, ...]]] = field(default_factory=list)
     best: tuple[float, Array, Outcome] | None = None
     reasons: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.began, self.runs = time.monotonic(), 0
+        self.stage_end, self.later = 1, 0
+
+    def begin(self, stage: int, later: int) -> None:
+        """Begin a stage of a fit with at most about ``stage`` runs, and up to ``later`` runs after it."""
+        self.stage_end, self.later = self.runs + stage, later
+
+    @property
+    def expected(self) -> int:
+        """Number of runs of the whole fit, if its later stages need all that they may need."""
+        return max(self.stage_end, self.runs) + self.later
 
     def __call__(self, queries: Sequence[Query]) -> list[Outcome]:
         """Return the points of all queries; those that are not in the file are computed together and written
@@ -337,13 +346,18 @@ class Evaluations:
             if self.best is None or cost < self.best[0]:
                 self.best = (cost, np.array(query.shares), outcome)
 
+    def finish(self) -> None:
+        """Report that nothing is left to run."""
+        self.stage_end, self.later = self.runs, 0
+        self.report()
+
     def report(self) -> None:
         """Report progress: runs, residual of the best point, time left."""
         if self.progress is not None:
             best = f", residual {100.0 * self.share:.3g} %" if self.best is not None else ""
             done, seconds = min(self.runs, self.expected), time.monotonic() - self.began
             left = (
-                f", about {span(seconds * (self.expected - done) / done)} left"
+                f", at most about {span(seconds * (self.expected - done) / done)} left"
                 if seconds > 1.0 and 0 < done < self.expected
                 else ""
             )

@@ -10,7 +10,7 @@ near the minimum, where least squares converges fast.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -48,6 +48,54 @@ LONGEST_REACH = 0.1  # of the bounds: data that do not determine a parameter hav
 MIDDLE = 0.5  # share of its interval at which a parameter of a single record starts
 
 
+# For forecast and progress only: points of a long search, and runs that judge the result.
+LONG_SEARCH, CONCLUDING_RUNS = 20, 4
+
+
+@dataclass(frozen=True)
+class Budget:
+    """Runs that a fit needs if it takes all restarts and its searches are long.
+
+    ``records``: number of measured records; ``slopes``: runs of a point and its derivatives in all of them;
+    ``screened`` points and ``starts`` of searches as in :meth:`Descents.run`.
+    """
+
+    records: int
+    slopes: int
+    screened: int
+    starts: int
+
+    @classmethod
+    def of(cls, parameters: Sequence[int], screened: int, starts: int) -> Budget:
+        """Return the budget of a fit to records with these numbers of ``parameters``, with derivatives by
+        differences.
+        """
+        return cls(len(parameters), sum(2 * count + 1 for count in parameters), screened, starts)
+
+    def searches(self, count: int) -> int:
+        """Return the runs of some searches."""
+        return count * LONG_SEARCH * self.slopes
+
+    @property
+    def first(self) -> int:
+        """Runs of the first screening, of the choice of derivatives and of the first searches."""
+        return self.screened * self.records + self.slopes + self.searches(self.starts)
+
+    @property
+    def repetition(self) -> int:
+        """Runs of a restart."""
+        return max(self.screened // 2, self.starts) * self.records + self.searches(self.starts)
+
+    @property
+    def exploration(self) -> int:
+        """Runs of a round of :meth:`Descents.explore`."""
+        return EXPLORED * self.records + self.searches(1)
+
+    def later(self, restarts: int, rounds: int = MOST_ROUNDS) -> int:
+        """Return the runs of some restarts and rounds, and of the end of a fit."""
+        return restarts * self.repetition + rounds * self.exploration + CONCLUDING_RUNS * self.records
+
+
 class Hopeless(Exception):
     """Raised to end a search whose cost remains far above the best one."""
 
@@ -74,8 +122,10 @@ class Descents:
         more than noise, repeat this with half as many other points, up to ``restarts`` times; ``seed`` of the
         points. In the end :meth:`explore` the surroundings of the best point.
         """
-        parameters = self.evaluations.parameters
-        common = self.common
+        parameters, common = self.evaluations.parameters, self.common
+        counts = [len(record.parameters) for record in self.evaluations.records]
+        budget = Budget.of(counts, screened, starts)
+        self.evaluations.begin(budget.first, budget.later(restarts))
         places = self.places(sobol(screened, len(common), seed) if common else np.zeros((1, 0)))
         if all(parameters[k].initial is not None for k in common):
             places = np.concatenate([[self.model_shares], places[: max(screened - 1, 0)]])
@@ -85,12 +135,13 @@ class Descents:
         for attempt in range(1, restarts + 1):
             if not self.unexplained or self.evaluations.best is None:
                 break
+            self.evaluations.begin(budget.repetition, budget.later(restarts - attempt))
             best = self.evaluations.best[1]
             points = self.screen(self.new_points(max(screened // 2, starts), seed + attempt))
             self.descend(self.distant(points, starts, [best]))
-        self.explore(seed)
+        self.explore(seed, budget)
 
-    def explore(self, seed: int) -> None:
+    def explore(self, seed: int, budget: Budget) -> None:
         """Try points around the best one, and search on from the best of them while that is a better one.
 
         Limits cover those that fit as well (:func:`~.step_uncertainty.widened`).
@@ -99,6 +150,8 @@ class Descents:
             former = self.evaluations.best
             if not self.common or former is None or not former[2].fitted:
                 return
+            rounds = MOST_ROUNDS - 1 - attempt
+            self.evaluations.begin(budget.exploration, budget.later(0, rounds))
             places = self.surroundings(seed + attempt)
             for first in range(0, len(places), BATCH):
                 batch = places[first : first + BATCH]

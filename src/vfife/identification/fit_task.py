@@ -12,12 +12,13 @@ from typing import Any, TypedDict, Unpack
 
 from ..compiler.runtime.native import stream_lanes
 from ..errors import Fault, ModelError, VfifeError
+from ..job.amounts import span
 from ..job.cost import LIBRARIES, LONG, RECORD_COPIES, WORTH, Forecast, Stream, cores, run_cost, stream, timed
 from ..job.job import job_of
 from ..job.progress import counted
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
-from ..options import named_interrupt
+from ..options import named_interrupt, with_faults
 from ..results.fit import Fit, FitFile
 from ..solvers.arguments import Arguments
 from ..solvers.status import Progress, Status
@@ -25,7 +26,7 @@ from ..store.studyfile import locked_file
 from ..studies.spec.distributions import sobol
 from .batched_queries import Evaluations, Query
 from .curves import Channels, Curves, units_of
-from .descents import MOST_RESTARTS, Derivatives, Descents
+from .descents import MOST_RESTARTS, Budget, Derivatives, Descents
 from .measurements import Measured
 from .other_minima import Search
 from .parameters import FitParameter
@@ -68,6 +69,7 @@ class FitOptions(TypedDict, total=False):
     workers: int | None
 
 
+@with_faults(FitOptions)
 @named_interrupt("fit")
 def fit(
     mechanism: Mechanism, data: Data | Sequence[Data], parameters: Mapping[Any, Any] | Sequence[str], *,
@@ -199,7 +201,19 @@ class FitTask:
     @property
     def runs(self) -> int:
         """Expected number of runs with derivatives by differences and an average number of restarts."""
-        return RESTARTS * (self.settings.screened * len(self.records) + EVALUATIONS * self.simultaneous_runs)
+        return RESTARTS * self.least_runs
+
+    @property
+    def least_runs(self) -> int:
+        """Expected number of runs without restarts and rounds around the best point."""
+        return self.settings.screened * len(self.records) + EVALUATIONS * self.simultaneous_runs
+
+    @property
+    def most_runs(self) -> int:
+        """Number of runs with all restarts and long searches."""
+        counts = [len(task.parameters) for task in self.records]
+        budget = Budget.of(counts, self.settings.screened, self.settings.starts)
+        return max(budget.first + budget.later(self.settings.restarts), self.runs)
 
     @property
     def simultaneous_runs(self) -> int:
@@ -239,7 +253,8 @@ class FitTask:
         return Forecast(
             "run", left, assembly.choice.steps, seconds, memory, COMPRESSED * 8.0 * values * left, stored,
             cores(), lanes, remedy=remedy, work=work,
-            note="; half or twice of that by how the searches go",
+            note=f"; {self.least_runs:,} to {self.most_runs:,} runs by how the searches go, at most"
+            f" {span(seconds / max(left, 1) * max(self.most_runs - stored, 0))}",
         )  # fmt: skip
 
     def stored_runs(self, file: Path) -> int:
@@ -291,7 +306,7 @@ class FitTask:
         point so far.
         """
         settings = self.settings
-        evaluations = Evaluations(self.evaluated, self.parameters, file, progress, self.runs)
+        evaluations = Evaluations(self.evaluated, self.parameters, file, progress)
         search, slopes = Search(), None
         try:
             Descents(evaluations, search, settings.derivatives).run(
@@ -303,6 +318,9 @@ class FitTask:
         except KeyboardInterrupt:
             if evaluations.best is None:
                 raise
-        return concluded(
+        result = concluded(
             self.mechanism.name, units_of(self.mechanism), evaluations, search, slopes, settings.confidence
         )
+        if slopes is not None:
+            evaluations.finish()
+        return result

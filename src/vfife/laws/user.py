@@ -20,6 +20,7 @@ from typing import NoReturn
 
 from ..errors import LawError
 from ..files import read_bytes
+from ..options import with_faults
 from .law import ContactLaw, FrictionLaw, Law, built_in
 from .time_limit import SECONDS, Endless, limited
 
@@ -27,6 +28,7 @@ REGISTRIES = (ContactLaw.registry, FrictionLaw.registry)
 LOADING = threading.RLock()  # one file at a time: the laws of a file are those that were not there before
 
 
+@with_faults()
 def load_laws(path: str | Path) -> list[type[Law]]:
     """Run a Python file and register the laws that it defines.
 

@@ -14,6 +14,7 @@ from ..errors import AssemblyError, VfifeError
 from ..model.bodies import Link
 from ..model.lumping import is_elastic, mesh
 from ..model.mechanism import Mechanism
+from ..options import with_faults
 from ..solvers.refinement import DOUBLE, FOURFOLD, HALF, meshed, refinable
 from .mode_errors import ModeShapes, frequency_of, measured_squares, missing
 from .values import Measured
@@ -73,6 +74,7 @@ class Modes:
         return tuple(mode.frequency for mode in self.modes)
 
 
+@with_faults()
 def modes(mechanism: Mechanism, count: int = 10, *, released: bool = False) -> Modes:
     """Return the ``count`` lowest natural vibrations of a mechanism about its start, at rest, without
     damping, with their errors by the mesh.

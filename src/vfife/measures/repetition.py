@@ -5,7 +5,8 @@ A turn repeats if each quantity is within a tolerance of its value one period be
 a step decides at which output an impact appears, outputs differ although the motion is periodic: its turns
 scatter with the step about it, by less than the tolerance in their largest values and in the state at their
 ends. A motion whose turns approach each other is still settling: the logarithms of their distances lie on a
-falling line. So is one whose turns alternate about their limit and repeat in pairs for the moment, while the
+falling line, at least those of the later half after a transient. So is one whose turns alternate about their
+limit and repeat in pairs for the moment, while the
 two of a pair approach each other. A motion that neither repeats, scatters nor settles within ten turns is
 called not periodic; its measures are means, because no single turn represents it.
 
@@ -28,7 +29,7 @@ from numpy.typing import NDArray
 from ..solvers.record import Record, columns_of
 from ..solvers.repeating import LONGEST, SETTLED, Comparison, TurnGrid, repeated_since, turn_grid
 from .chaos import scattered_period
-from .settling import TREND, Points, alternation, settling
+from .settling import TREND, Points, alternation, settles_late, settling
 
 Array = NDArray[np.float64]
 Motion = Literal["periodic", "settling", "unsettled", "not periodic"]
@@ -234,9 +235,9 @@ def _classify(
         return Turns(count, "periodic", period, since, distance, tolerance, count - latest + 1, count)
     # Of a motion that is not periodic the second half of the turns counts, without the transient before it.
     distances = nearest(turns, comparison)
-    motion: Motion = (
-        "settling" if settling(distances) else "unsettled" if count < MANY_TURNS else "not periodic"
-    )
+    motion: Motion = "unsettled" if count < MANY_TURNS else "not periodic"
+    if settling(distances) or settles_late(distances):
+        motion = "settling"
     first = count - min(count // 2, MOST_TURNS) + 1 if motion == "not periodic" else count
     return Turns(count, motion, None, None, distances[-1] if distances else math.nan, tolerance, first, count)
 

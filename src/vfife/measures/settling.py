@@ -22,6 +22,9 @@ Array = NDArray[np.float64]
 TREND = 24
 FALLING = -0.9
 FALLEN = 0.7
+# Distances in the later half of a run, and the factor of their fall, that show settling after a transient: of
+# six numbers in random order the logarithms correlate so strongly once in 200.
+FEWEST_LATE, LATE_FALL = 6, 0.5
 # Distances of turns in which a motion that alternates is recognised, and the least ratio of their decay in
 # the second half to that in all: of a period of several turns they become constant when its transient ends.
 FEWEST_ALTERNATIONS, STEADY_DECAY = 7, 0.5
@@ -57,8 +60,18 @@ def alternation(points: Points, period: int) -> tuple[float, float] | None:
     return None
 
 
-def settling(distances: Sequence[float]) -> bool:
-    """Return whether distances fall steadily, by a least-squares line through their logarithms."""
+def settles_late(distances: Sequence[float]) -> bool:
+    """Return whether the later half of distances falls steadily and to less than half, after a transient in
+    which turns had nothing in common.
+    """
+    late = distances[-(len(distances) // 2) - 1 :]
+    return len(late) > FEWEST_LATE and settling(late, LATE_FALL)
+
+
+def settling(distances: Sequence[float], fallen: float = FALLEN) -> bool:
+    """Return whether distances fall steadily, by a least-squares line through their logarithms, and at least
+    by the factor ``fallen``.
+    """
     values = np.array(distances[1:] if len(distances) > 4 else distances)  # without that of the start
     if len(values) == SHORT_DECAY:
         return bool(values[0] > values[1] > values[2] > 0.0 and values[2] < DECAYED * values[0])
@@ -71,4 +84,4 @@ def settling(distances: Sequence[float]) -> bool:
         return False
     at, off = np.arange(len(values)) - 0.5 * (len(values) - 1), logarithms - logarithms.mean()
     product, wide, high = (float(terms.sum()) for terms in (at * off, at * at, off * off))
-    return product < FALLING * math.sqrt(wide * high) and product / wide * (len(values) - 1) < log(FALLEN)
+    return product < FALLING * math.sqrt(wide * high) and product / wide * (len(values) - 1) < log(fallen)

@@ -30,7 +30,7 @@ from ..schema import (
     key_of,
     value_of,
 )
-from .paths import default_at, field_at, parsed, resolve
+from .paths import default_at, field_at, list_at, parsed, resolve
 from .read import line_at, lines_of, of_tables, text_of
 from .tables import Raw
 from .write import tables_of, unused
@@ -107,6 +107,15 @@ class Parameter:
     def quantity(self) -> Measure | None:
         """The type of a single number with a unit; None for whole numbers, words, lists and tables."""
         return self.field if isinstance(self.field, Measure) and not self.field.series else None
+
+    @property
+    def elements(self) -> list[str]:
+        """Paths of the elements of a list, whether the model gives it or has its default; else empty."""
+        if self.steps is not None:
+            return []
+        value = self.get() if self.field is None else None
+        values = value if isinstance(value, list) else list_at(self.tables, self.keys) or ()
+        return [f"{self.path}.{k}" for k in range(len(values))]
 
     def read(self, value: Any) -> Any:
         """Return a value, possibly a text with a unit, in SI units. Raises Fault if it is invalid here."""

@@ -130,6 +130,8 @@ def step(raw: Raw, parent: Path, part: str, text: str) -> str | int:
     for key in parent:
         holder = holder.get(key, {}) if isinstance(holder, dict) else holder[key]
     location = ".".join(map(str, parent))
+    if holder == {}:
+        holder = list_at(raw, parent) or holder
     if isinstance(holder, list):
         if part.isascii() and part.isdigit() and len(part) < 7 and int(part) < len(holder):
             return int(part)
@@ -175,11 +177,26 @@ def leaves(value: Any, path: str, depth: int = 6) -> Iterator[str]:
 
 
 def assign(raw: Raw, path: Path, value: Any) -> None:
-    """Set a value, making missing tables that the schema allows."""
+    """Set a value, making missing tables that the schema allows, and lists with their defaults."""
     holder: Any = raw
-    for key in path[:-1]:
-        holder = holder.setdefault(key, {}) if isinstance(holder, dict) else holder[key]
+    for depth, key in enumerate(path[:-1], 1):
+        if isinstance(holder, dict) and key not in holder:
+            holder[key] = list_at(raw, path[:depth]) or {}
+        holder = holder[key]
     holder[path[-1]] = value
+
+
+def list_at(raw: Raw, path: Path) -> list[Any] | None:
+    """Return the elements of a list of fixed length that a file may leave out: its default, zeros if that is
+    None; None at any other path.
+    """
+    slot = slot_at(raw, path)
+    if slot is None or not isinstance(slot.content, FixedList) or slot.field is None:
+        return None
+    default = slot.field.default
+    if default is dataclasses.MISSING:
+        return None
+    return [0.0] * len(slot.content.parts) if default is None else list(default)
 
 
 def clear_idle(raw: Raw, path: Path, paths_set: set[Path]) -> None:

@@ -22,6 +22,7 @@ from ..files.kinds import refuse_data, refuse_kind, refuse_tables
 from ..model.mechanism import Mechanism
 from ..model.validation import Checks, check_laws, conflict_faults
 from ..model.validation.settings import check_name
+from ..options import with_faults
 from .csvtables import expand
 from .paths import override
 from .reader import Written
@@ -85,6 +86,7 @@ def locate(faults: Iterable[Fault], text: str, paths_set: Iterable[Path]) -> Non
 Items = Iterable[tuple[str, Any]]
 
 
+@with_faults()
 def load(path: str | FilePath, overrides: Mapping[str, Any] | None = None, *, set: Items = ()) -> Mechanism:
     """Return the mechanism of a model file, with some of its values replaced or added before validation.
 
@@ -105,6 +107,7 @@ def load(path: str | FilePath, overrides: Mapping[str, Any] | None = None, *, se
     return of_tables(raw_of(text, str(path), "model"), [*values.items(), *set], str(path), text)
 
 
+@with_faults()
 def load_model(path: str | FilePath, set: Items = ()) -> Mechanism:
     """Return the mechanism of a model file; :func:`load` also takes values by path as a mapping.
 

@@ -17,6 +17,7 @@ from ..model.drivers import Driver
 from ..model.mechanism import Mechanism, Settings, StartSettings
 from ..model.readers import users_of
 from ..model.validation import refuse_types
+from ..options import with_faults
 from ..schema import Chosen, Direction, Field, Named, default_of
 from ..schema import Names as NamedValues
 from .tables import Raw, Table, tables
@@ -220,6 +221,7 @@ def dotted(*names: str) -> str:
     return ".".join(key(name) for name in names)
 
 
+@with_faults()
 def save_model(mechanism: Mechanism, path: str | Path) -> None:
     """Write a model file that :func:`load_model` reads as an equal mechanism.
 

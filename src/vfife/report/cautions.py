@@ -18,7 +18,7 @@ from ..measures.statics import equilibria
 from ..measures.trust import OPEN
 from ..measures.turns import full_run
 from ..model.surfaces import cautions, law_facts, remarks, surfaces
-from ..model.validation.plausibility import clearances_at_rest
+from ..model.validation.plausibility import clearances_at_rest, suspect_surfaces
 from ..solvers.status import Status
 from .damping_cautions import damping_cautions
 from .divergence import FLOOR
@@ -56,6 +56,7 @@ def transient_cautions(result: RunData, verdict: str, of_laws: Mapping[str, str]
     """
     record, choice, measures = result.record, result.record.assembly.choice, result.measures
     yield from damage(result)
+    yield from suspect_surfaces(record.assembly.mechanism)
     if record.status != Status.COMPLETE:
         yield STATUS.get(record.status, f"The run is {record.status}.").format(time=float(result.time[-1]))
     if choice.step > choice.stable:

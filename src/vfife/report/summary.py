@@ -19,6 +19,7 @@ from ..measures.wear import SIDES
 from ..measures.zero_limits import about_zero
 from ..model.bodies import Link
 from ..model.surfaces import body_of, law_facts, surfaces
+from ..model.validation.plausibility import suspect_surfaces
 from ..solvers.record import Record
 from ..solvers.refinement import worth_other_meshes, worth_refining
 from .cautions import (
@@ -199,7 +200,8 @@ def _model(result: RunData, measures: dict[str, float], ideal: Any) -> Json:
 def _transient_run(result: RunData) -> Json:
     record, choice = result.record, result.record.assembly.choice
     time = float(result.time[-1])
-    drivers = record.assembly.mechanism.drivers
+    mechanism = record.assembly.mechanism
+    drivers = mechanism.drivers
     moving = [driver for driver in drivers.values() if driver.moves]
     turning = {name: driver for name, driver in drivers.items() if driver.moves and driver.unit == "rad"}
     return {
@@ -215,7 +217,8 @@ def _transient_run(result: RunData) -> Json:
         "long": not worth_refining(record.assembly),
         "stable_step": choice.stable if choice.stable < float("inf") else None,
         "set_by": choice.culprit,
-        "notes": list(record.assembly.notes),
+        # Those of radii and clearances are the first cautions.
+        "notes": [note for note in record.assembly.notes if note not in suspect_surfaces(mechanism)],
         **({"reached": reached} if choice.turn is None and (reached := _reached_speeds(record)) else {}),
     }
 

@@ -18,6 +18,7 @@ from ..errors import RunFileError, former_names
 from ..files import DataTable, write_text
 from ..numerics.outward import significant_range
 from ..numerics.scalar import log
+from ..options import with_faults
 from ..store.connections import warn_of_damage
 from ..store.schemas import FIT, Schema
 from ..store.store import Store
@@ -468,6 +469,7 @@ def values_of(data: Sequence[Mapping[str, Any]]) -> list[FitValue]:
     ]
 
 
+@with_faults()
 def load_fit(path: str | Path) -> Fit:
     """Return the fit of a fit file.
 

@@ -18,6 +18,7 @@ from ..errors import VfifeError, suggestion
 from ..files import DataTable
 from ..measures import spectral
 from ..model.functions import NO_CRANK
+from ..options import with_faults
 from ..solvers.repeating import outputs_of_a_turn
 from .export import TableColumn, table_rows
 
@@ -171,6 +172,7 @@ def values_column(name: str, unit: str, values: Array) -> TableColumn:
     return TableColumn(f"{name or 'values'} [{unit or '1'}]", values)
 
 
+@with_faults(SeriesLabel)
 def spectrum(
     values: ArrayLike,
     spacing: float,
@@ -201,6 +203,7 @@ def spectrum(
     )  # fmt: skip
 
 
+@with_faults(SeriesLabel)
 def spectrogram(
     values: ArrayLike,
     spacing: float,
@@ -239,6 +242,7 @@ def spectrogram(
     )  # fmt: skip
 
 
+@with_faults(SeriesLabel)
 def envelope(
     values: ArrayLike,
     spacing: float,

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..errors import VfifeError, former_names, shown, suggestion
 from ..files import DataTable, path_of
+from ..options import with_faults
 from ..solvers.status import Status
 from ..store.connections import warn_of_damage
 from ..store.studyfile import SPECIFICATION, StudyCase, StudyFile, has_former_measures
@@ -485,6 +486,7 @@ class Study(DataTable):
         return data_frame(columns, index=index)
 
 
+@with_faults()
 def load_study(path: str | Path) -> Study:
     """Return the study of a file, which may still be growing.
 

@@ -7,9 +7,10 @@ import re
 from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import MISSING
-from typing import Any
+from typing import Any, TypedDict
 
 from ..errors import Fault, Path, kind_of, shown, suggestion
+from ..options import with_faults
 from .parts import SCALAR
 from .values import Choice, Measure, Switch, Text, Value
 
@@ -17,6 +18,15 @@ Field = dataclasses.Field[Any]
 # A unit such as N/m^n is known only once a law has its exponent: such a parameter is a bare number in SI
 # units.
 SYMBOLIC = re.compile(r"\^\(?-?[a-z]")
+
+
+class FieldSettings(TypedDict, total=False):
+    """What :func:`described` keeps of a field beside its value, meaning and default."""
+
+    factory: Any
+    key: str
+    only: tuple[str, ...]
+    linear: Any
 
 
 def described(
@@ -49,6 +59,7 @@ def described(
     return dataclasses.field(default=default, default_factory=factory, metadata=metadata)
 
 
+@with_faults(FieldSettings)
 def quantity(
     unit: str,
     meaning: str,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import RunFileError, StorageError, VfifeError
 from ..files import path_of, replacement
+from ..options import with_faults
 from ..results.export import RESULT_FORMATS, check_decimal, export, write_netcdf
 from ..results.provenance import (
     companion_rows_of,
@@ -297,6 +298,7 @@ def _read(record: Record, path: Path) -> Rows:
     return rows
 
 
+@with_faults()
 def load_result(path: str | Path) -> Result:
     """Return the result of a run file; a killed run has the outputs written.
 

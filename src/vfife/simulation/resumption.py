@@ -12,7 +12,7 @@ from ..compiler.runtime.cache import sources as sources_of_the_step
 from ..files import path_of
 from ..job.job import job_of
 from ..modelfile import dump
-from ..options import named_interrupt
+from ..options import named_interrupt, with_faults
 from ..results.continuation import extended, refuse_finished
 from ..results.provenance import assembly_meta, ranges_of_tries, refuse_displaced
 from ..solvers.arguments import Arguments
@@ -100,6 +100,7 @@ def restore_prepared(former: Result, arguments: dict[str, Any], stored: Mapping[
     )  # fmt: skip
 
 
+@with_faults()
 @named_interrupt("resume")
 def resume(
     run: str | Path, *, until: float | str | None = None, progress: Callable[[Progress], None] | None = None

@@ -27,6 +27,7 @@ from ..kernels.topology import Topology
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..model.validation import validate
+from ..options import with_faults
 from .arguments import Arguments, Loop
 from .record import Columns, Record
 from .repeating import compared_rows, distance, outputs_per_turn
@@ -59,6 +60,7 @@ class EnsembleCase:
         return self.last.assembly
 
 
+@with_faults(Processor)
 def ensemble(
     mechanisms: Sequence[Mechanism], *, step: float | str | Sequence[float | str], turns: int,
     outputs: int = 720,

@@ -30,7 +30,7 @@ from ..measures.wear import PLACES
 from ..model.functions import crank_faults, turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
-from ..options import with_options
+from ..options import with_faults, with_options
 from ..simulation.turn_steps import step_count
 from ..solvers.interrupts import Interrupts
 from ..solvers.record import Record
@@ -199,6 +199,7 @@ def step_difference(
     )
 
 
+@with_faults()
 def load_wear(path: str | Path) -> Worn:
     """Return the wear of a wear file, as far as it is computed.
 

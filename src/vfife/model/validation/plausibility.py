@@ -51,7 +51,7 @@ def suspect_sizes(mechanism: Mechanism) -> tuple[str, ...]:
         *_spring_lengths(mechanism),
         *_inertias(mechanism),
         *_angles(mechanism),
-        *_clearances(mechanism),
+        *suspect_surfaces(mechanism),
         *clearances_at_rest(mechanism),
         *_speeds(mechanism),
         *_free_lengths(mechanism),
@@ -60,6 +60,11 @@ def suspect_sizes(mechanism: Mechanism) -> tuple[str, ...]:
         *_pressures(mechanism),
         *_masses(mechanism),
     )
+
+
+def suspect_surfaces(mechanism: Mechanism) -> tuple[str, ...]:
+    """Return cautions about radii and clearances of joints, which decide every force."""
+    return (*_radii(mechanism), *_clearances(mechanism))
 
 
 def suspect_connections(mechanism: Mechanism) -> tuple[str, ...]:
@@ -294,6 +299,25 @@ def clearances_at_rest(mechanism: Mechanism) -> Iterator[str]:
             ' and life need a moving model: analysis = "dynamic" with a driver that has a speed, as in'
             " vfife new six_bar_press."
         )
+
+
+def _radii(mechanism: Mechanism) -> Iterator[str]:
+    """Caution about bearings that are larger than each body of the mechanism and its ground."""
+    sizes = {name: joint.bearing_radius for name, joint in mechanism.clearances.items()}
+    largest = max(_extents(mechanism), default=0.0) if sizes else 0.0
+    for name, size in sizes.items():
+        if largest and size > largest:
+            yield (
+                f"joint.{name}.bearing_radius is {size:.4g} m, more than the largest distance of two points"
+                f" of a body, {1e3 * largest:.4g} mm: is it {size:.4g} mm? Numbers without a unit are metres."
+            )
+
+
+def _extents(mechanism: Mechanism) -> Iterator[float]:
+    """Yield the diagonals (m) of the rectangles around the points of each body, and of the ground."""
+    for points in (mechanism.points, *(body.points for body in mechanism.bodies.values())):
+        if len(points) > 1:
+            yield hypot(*(max(places) - min(places) for places in zip(*points.values(), strict=True)))
 
 
 def _clearances(mechanism: Mechanism) -> Iterator[str]:

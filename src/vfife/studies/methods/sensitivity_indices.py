@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import VfifeError
+from ...options import with_faults
 from ...report.html import fragment
 from ...report.study import indices as indices_document
 from ...report.terminal import as_text
@@ -173,6 +174,7 @@ class StudyIndices(list[MeasureIndices]):
         return pandas.DataFrame(rows).set_index(["measure", "parameter"])
 
 
+@with_faults()
 def indices(study: Study | str | Path, measures: str | Sequence[str] = ()) -> StudyIndices:
     """Return how each measure of a study depends on its parameters over their whole ranges: Sobol' indices,
     or elementary effects of Morris; by SALib.

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import VfifeError
+from ...options import with_faults
 from ...results.case_errors import ErrorEstimate
 from ...results.study import Study
 from ..engine.study_engine import plan_of
@@ -47,6 +48,7 @@ class Spread:
     numerical: ErrorEstimate | None
 
 
+@with_faults()
 def tolerance(
     study: Study | str | Path,
     limit: Mapping[str, Any] | None = None,
