@@ -13,10 +13,10 @@ import pytest
 from architecture.size import Size, size_of, sizes, tokens
 
 LIMITS = Size(
-    files=492,
-    code=68_000,
-    tokens=682_000,
-    import_lines=6_650,
+    files=500,
+    code=69_000,
+    tokens=692_000,
+    import_lines=6_800,
     inner_imports=101,
     many_arguments=10,
     tuples=28,

@@ -296,4 +296,4 @@ def test_all_laws_are_those_with_defaults(monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_a_model_without_clearance(command: Callable, pendulum: Path) -> None:
     done = command("compare", pendulum, "--contact", "pereira")
-    assert done.exit_code == 2 and "no joint of this mechanism has clearance" in done.stderr
+    assert done.exit_code == 2 and "no pin of this mechanism has clearance" in done.stderr

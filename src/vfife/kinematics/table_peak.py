@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from ..model.functions import crank_of
 from ..model.loads import Load
-from ..model.loads.guide_force import GuideForce
 from ..model.mechanism import Mechanism
 from .batch import Batch
 from .drives import guide_of
@@ -63,7 +62,7 @@ def table_peak(mechanism: Mechanism, motion: Motion, turn: FullTurn, load: Load)
 
     Top dead centre is the end of the stroke from which a positive value pushes the journal away.
     """
-    guide = guide_of(mechanism, load.slider) if isinstance(load, GuideForce) else None
+    guide = guide_of(mechanism, load.slider) if load.on_guide else None
     if guide is None or load.axis != "angles" or guide[0].sides[0][0] != "ground":
         return None
     crank = crank_of(mechanism, load.crank)
@@ -83,7 +82,7 @@ def table_peak(mechanism: Mechanism, motion: Motion, turn: FullTurn, load: Load)
     lag = _wrapped(place - centres[nearest]) * turn.direction * motion.hand
     at = math.degrees(centres[nearest]) % 360.0
     at = 0.0 if 360.0 - at < 0.5 * RESOLUTION else round(at / RESOLUTION) * RESOLUTION
-    value = high + (load.ambient if isinstance(load, GuideForce) and load.pressed else 0.0)
+    value = high + load.counterpressure
     return TablePeak(value, math.degrees(place), (TOP, BOTTOM)[nearest], at, math.degrees(lag))
 
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
@@ -22,19 +21,11 @@ from ..solvers.repeating import turn_grid
 from ..solvers.scales import NEGLIGIBLE, Scales, scales
 from .catalogue import INFLUENCE, PEAKS, Groups, compared, lip, measures, over_run, over_turn, unit_of
 from .event_ranges import event_errors, widened
-from .extrapolation import (
-    LANES_OF_MEANS,
-    SCATTER,
-    SCATTER_OF_MEANS,
-    SCATTER_OF_TRIES,
-    VANISHING,
-    error_of_mean,
-    error_range,
-    widen,
-)
+from .extrapolation import SCATTER, SCATTER_OF_TRIES, VANISHING, error_of_mean, widen
 from .normal_forces import lowest_shares
 from .output_intervals import cut_errors
 from .repetition import Turns, part_of, turns
+from .samples import Samples
 from .statics import EXACT
 from .turns import after_first, companion_turns_of, each_turn, last_turn, of_window, record_of_companion
 from .values import Measured, Measures
@@ -69,57 +60,6 @@ def sound_companions(record: Record) -> list[int]:
         if companions is None
         else [k for k in range(len(companions.counts)) if k not in companions.divergent]
     )
-
-
-@dataclass(frozen=True)
-class Samples:
-    """A measure at the step sizes of a run and its companions: ``value`` is reported, ``values`` are those of
-    all lanes, the run's first.
-
-    ``ratios`` are the steps of the lanes over that of the run. ``lowest`` and ``highest`` are the extremes
-    over turns. ``scatters``: the value is a mean over all lanes, whose differences are random.
-    ``mean_error``: by how much the mean over turns of another run differs
-    (:func:`~.extrapolation.error_of_mean`), if the motion is not periodic.
-    """
-
-    value: float
-    values: tuple[float, ...]
-    ratios: tuple[float, ...]
-    lowest: float
-    highest: float
-    scatters: bool = False
-    mean_error: float = 0.0
-
-    @property
-    def low(self) -> float:
-        """Least value of all lanes."""
-        return min(self.values)
-
-    @property
-    def high(self) -> float:
-        """Largest value of all lanes."""
-        return max(self.values)
-
-    @property
-    def hull(self) -> Measured:
-        """The measure with the range of its values."""
-        return Measured(self.value, self.low, self.high, lowest=self.lowest, highest=self.highest)
-
-    def draws(self, name: str) -> tuple[float, float]:
-        """Return the range of the values and of means over turns of other runs."""
-        low, high = widen(name, self.value, self.value, self.mean_error)
-        return min(self.low, low), max(self.high, high)
-
-    def error_range(self, name: str) -> tuple[float, float]:
-        """Return the range that estimates the error; that of the values if all lanes have one step size."""
-        if len(set(self.ratios)) < 2:
-            return self.low, self.high
-        if self.scatters:
-            share = SCATTER_OF_MEANS if len(self.values) >= LANES_OF_MEANS else SCATTER
-            low, high = widen(name, self.low, self.high, share * (self.high - self.low))
-            lower, upper = self.draws(name)
-            return min(low, lower), max(high, upper)
-        return error_range(name, self.ratios, self.values)
 
 
 def ranged(record: Record, reference: Mapping[str, float] | None = None, groups: Choice = None) -> Measures:

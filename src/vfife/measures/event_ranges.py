@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from ..solvers.record import Record
 
 if TYPE_CHECKING:
-    from .error_ranges import Samples
+    from .samples import Samples
 
 # Mean flights by which a share may change, where step sizes have different numbers of impacts, and where all
 # have the same. Measured in 20 variants of a chain of three joints (tests/verification/test_event_ranges.py)

@@ -21,7 +21,8 @@ from ..errors import VfifeError, shown, suggestion
 from ..measures.extrapolation import NEVER_NEGATIVE
 from ..numerics.pareto import front
 from ..report.study import NO_IMPACT
-from ..results.study import Study, Varied
+from ..results.parameters import Varied
+from ..results.study import Study
 from .notebook import sharp
 from .study_axes import (
     EMPTY,

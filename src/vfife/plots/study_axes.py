@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from ..measures.catalogue import COUNTED
 from ..report.study import IMPACT_SPEED, NO_IMPACT
-from ..results.study import Study, Varied
+from ..results.parameters import Varied
+from ..results.study import Study
 from .style import RPM, Array, panels, readable
 
 MOST_TICKS, MOST_PANELS = 7, 6  # of a logarithmic axis; of a figure

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from ..numerics.outward import UP, significant
 from ..results.case_errors import NOT_ESTIMATED
-from ..results.study import Study, Varied
+from ..results.parameters import Varied
+from ..results.study import Study
 from .study_axes import (
     EMPTY,
     HOLLOW,

@@ -19,7 +19,8 @@ from .digits import Digits, prefixed, quantities, quantity, quantity_of_digits
 from .document import Caution, Document, Paragraph, Part, Table
 
 if TYPE_CHECKING:
-    from ..results.study import Study, Varied
+    from ..results.parameters import Varied
+    from ..results.study import Study
     from ..store.studyfile import StudyCase
     from ..studies.methods.tolerance import Spread
 

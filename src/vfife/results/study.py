@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,10 +19,11 @@ from ..options import with_faults
 from ..solvers.status import Status
 from ..store.connections import warn_of_damage
 from ..store.studyfile import SPECIFICATION, StudyCase, StudyFile, has_former_measures
-from ..units import quantity_in_si, unit_written
+from ..units import unit_written
 from .case_errors import NOT_ESTIMATED, ErrorEstimate, SampleErrors, repeated_cases
 from .export import STUDY_FORMATS, TableColumn, data_frame, export, table_rows
 from .output_spacing import depends_on_outputs
+from .parameters import Varied
 
 if TYPE_CHECKING:
     import pandas
@@ -32,31 +33,6 @@ if TYPE_CHECKING:
 OUTCOME = ("status", "turns", "settled", "step", "reason")
 WRITTEN_VALUES = ("values", "from", "to", "nominal", "mean")  # keys of a parameter whose unit is shown
 SAMPLE, CASE = "sample", "case"  # dimensions of what lies on no grid
-
-
-@dataclass(frozen=True)
-class Varied:
-    """A parameter of a study: name, paths in the model, unit, and how its values were chosen.
-
-    ``written``: the unit in which the study file gives its values, empty for bare numbers.
-    """
-
-    name: str
-    paths: tuple[str, ...]
-    unit: str
-    kind: str
-    words: str = ""
-    written: str = ""
-
-    @property
-    def written_factor(self) -> float:
-        """Size of the unit in which values are written, in SI units."""
-        return quantity_in_si("1", self.written or self.unit)
-
-    @property
-    def gridded(self) -> bool:
-        """Whether its values were listed one by one."""
-        return self.kind in ("values", "range")
 
 
 @former_names(asked="request", lost="damaged_cases", damaged_members="damaged_cases", members="cases")
