@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections import deque
 from collections.abc import Iterator, Mapping
 
 import numpy as np
@@ -22,13 +23,12 @@ from numpy.typing import NDArray
 from ..numerics.elementwise import hypot
 from ..solvers.record import Record
 from .catalogue import OVER_TURN, PEAKS, Groups, over_turn
-from .damped_peaks import windows
 from .elastic import elastic_links, extremes, has_stresses, largest_deflection
 from .forces import ground_joints, ground_load, joint_force, joint_force_max, joint_rows
 from .motion import slider_motion, sliders
 from .repetition import Turns
 from .turn_ends import ends_of_last_turn, other_state_at
-from .turns import Window, after_first, each_turn, last_turn
+from .turns import Window, after_first, each_turn, last_turn, of_window
 
 Array = NDArray[np.float64]
 # Factor of safety: second differences are known at the outputs only, and of a sine of twelve outputs a period
@@ -131,14 +131,21 @@ def shaking_estimate(record: Record, motion: Turns | None) -> float:
     ground exceeds in the interval what it has at both ends. That is the truth for peaks that do not turn the
     force of a joint round within an interval.
     """
+    if motion is None or not motion.has_several:
+        return _shaking_peak(of_window(record, last_turn(record)).record)
+    # Turn by turn: the forces of all outputs of a long run take as much memory as its rows.
+    return float(np.mean([_shaking_peak(turn) for turn in each_turn(record, motion.first, motion.last)]))
+
+
+def _shaking_peak(record: Record) -> float:
+    """Return the estimate (N) for one turn, whose record begins with the output before it."""
     force = hypot(*ground_load(record)[:, :2].T)
     on_ground = set(ground_joints(record))
     places = [k for k, name in enumerate(joint_rows(record)) if name in on_ground]
     at_outputs = joint_force(record)[:, places]
     sizes = hypot(at_outputs[..., 0], at_outputs[..., 1])
     excess = np.maximum(joint_force_max(record)[1:, places] - _larger_end(sizes), 0.0).sum(axis=1)
-    course = np.concatenate([force[:1], _larger_end(force) + excess])
-    return float(np.mean([course[part].max() for part in windows(record, motion)]))
+    return float(np.max(_larger_end(force) + excess, initial=float(force[-1])))
 
 
 def _larger_end(values: Array) -> Array:
@@ -156,12 +163,15 @@ def cut_errors(record: Record, motion: Turns | None, groups: Groups | None = Non
         part = dataclasses.replace(record, turn_ends=ends)
         return {} if ends is None else _differences(record, part, last_turn(record), 0, sums)
     # Sums of successive turns add up, so that only the first beginning and the last end remain of their ends.
-    turns = list(each_turn(record, motion.first, motion.last))
+    turns = each_turn(record, motion.first, motion.last)
+    first = next(turns)
+    if first.turn_ends is None:
+        return {}
+    last = next(iter(deque(turns, maxlen=1)), first)
     errors: dict[str, float] = {}
-    for part, end in ((turns[0], 0), (turns[-1], 1)):
-        if part.turn_ends is not None:
-            for name, error in _differences(record, part, after_first(part), end, sums).items():
-                errors[name] = errors.get(name, 0.0) + error / len(turns)
+    for end, part in enumerate((first, last)):
+        for name, error in _differences(record, part, after_first(part), end, sums).items():
+            errors[name] = errors.get(name, 0.0) + error / (motion.last - motion.first + 1)
     return errors
 
 
