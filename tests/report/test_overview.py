@@ -202,7 +202,7 @@ def test_the_torque_of_a_driver_has_one_range() -> None:
     value = summary["measures"][name]
     summary["ranges"][name] = summary["ranges"][name] | {"low": 0.5 * value, "high": 1.5 * value}
     said = " ".join(text(summary).split())
-    low, high = (end for end in re.search(r"largest crank torque (\S+) to (\S+) N m", said).groups())
+    low, high = (end for end in re.search(r"crank torque (\S+) to (\S+) N m", said).groups())
     assert f"largest torque {low} to {high} N m (ideal" in said and "torque up to" not in said
 
 

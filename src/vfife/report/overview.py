@@ -214,9 +214,8 @@ def _interval(summary: Json, name: str) -> str:
 
 
 def _words(name: str) -> str:
-    """Return the name of a largest value in words; a torque without "largest" would be read as its mean."""
-    words = CORNER.sub(r" corner \1 ", name.removesuffix(".max")).replace("_", " ").replace(".", " ")
-    return f"largest {words}" if name.endswith(".torque.max") else words
+    """Return the name of a measure in words."""
+    return CORNER.sub(r" corner \1 ", name.removesuffix(".max")).replace("_", " ").replace(".", " ")
 
 
 # ------------------------------------------------------------------------------------------------------ table
