@@ -89,11 +89,11 @@ def test_only_forces_and_torques_make_a_run_sensitive() -> None:
     assert said.startswith("Reliable numerically: ") and "Less certain: coupler angular acceleration" in said
     force = altered("C.force.max", 0.9, 1.2)
     assert uncertain(force) and errors(force)["C.force.max"] == pytest.approx(0.2)
-    said = certainty(force)
-    assert (
-        said.startswith("Sensitive to the step size: C force")
-        and "the other forces and torques change by" in said
-    )
+    given = certainty(force)
+    assert given.startswith("Sensitive to the step size: C force") and "The step was given: ranges" in given
+    assert "Reliable" not in given, "three companions beside one step do not bound what it has in common"
+    said = certainty(force | {"trust": force["trust"] | {"automatic": True}})
+    assert "the other forces and torques change by" in said and "The step was given" not in said
     assert not uncertain(altered("C.force.max", 1.0 - 0.5 * CERTAIN, 1.0 + 0.5 * CERTAIN))
 
 

@@ -34,6 +34,7 @@ from .style import (
     corner_text,
     digits,
     mark_peak,
+    peak_digits,
     readable,
     scale_of,
 )
@@ -340,7 +341,7 @@ def _peak(
     name = "peak that is reported" if span.turns is None else "highest of these turns"
     mark_peak(ax, x, y, top is reach.high, name)
     times = "" if quantity.unit in PREFIXED or factor == 1.0 else "× "
-    peak = f"peak {digits(factor * measure)}"
+    peak = f"peak {peak_digits(measure, factor)}"
     if span.turns is not None:
         peak = f"mean {peak}, highest {digits(factor * sizes[k])}"
     corner_text(ax, f"{peak} {times}{unit}")

@@ -29,9 +29,9 @@ from .style import (
     circle,
     corner_text,
     curve_look,
-    digits,
     dots_before,
     length_unit,
+    peak_digits,
     readable,
     scale_of,
 )
@@ -359,7 +359,7 @@ def polar(result: RunData, reference: RunData | None = None) -> Figure:
             times, size = scale_of(peak, "N")
             mean = "mean " if span.turns is not None else ""
             remark = ", between outputs" if outside else ""
-            corner_text(ax, f"{mean}peak {digits(times * peak)} {size}{remark}")
+            corner_text(ax, f"{mean}peak {peak_digits(peak, times)} {size}{remark}")
         if ideal is not None:
             ax.plot(*(factor * ideal).T, **IDEAL, zorder=4)
         _rays(ax, factor * forces)

@@ -62,8 +62,8 @@ from .style import (
     circle,
     corner_text,
     curve_look,
-    digits,
     legend_entries,
+    peak_digits,
     scale_of,
 )
 from .turn import CRANK_ANGLE, Span, shown_span, shown_turn
@@ -362,7 +362,7 @@ def _draw(ax: Axes, curves: dict[int, Curve], shape: str, labels: Sequence[str])
         for (words, _), (_, name) in zip((first.across, first.up), scales, strict=True)
     ]
     ax.set(xlabel=labels_of[0], ylabel=labels_of[1])
-    peaks = [digits(up * curve.peak) for curve in curves.values() if curve.peak is not None]
+    peaks = [peak_digits(curve.peak, up) for curve in curves.values() if curve.peak is not None]
     if len(peaks) == len(curves):
         times = "" if first.up[1] in PREFIXED or up == 1.0 else "× "
         means = any(curve.span is not None and curve.span.turns is not None for curve in curves.values())

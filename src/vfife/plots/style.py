@@ -21,6 +21,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ..files import replacement
+from ..measures.values import Measured
+from ..numerics.outward import DOWN, UP, significant
+from ..report.digits import CERTAIN
 
 Array = NDArray[np.float64]
 BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#56B4E9", "#CC79A7"
@@ -174,6 +177,14 @@ def readable(values: Any, unit: str) -> tuple[float, str]:
 def digits(value: float) -> str:
     """Return a number with four digits."""
     return f"{value:.4g}" if 1e-3 <= abs(value) < 1e5 or value == 0.0 else f"{value:.3e}"
+
+
+def peak_digits(peak: float, factor: float) -> str:
+    """Return a peak, or its range where two digits of it are not certain, as answers and tables do."""
+    if not (isinstance(peak, Measured) and peak.estimated and peak.width > CERTAIN * abs(peak)):
+        return digits(factor * peak)
+    ends = ((peak.low, DOWN), (peak.high, UP))
+    return " to ".join(digits(float(significant(factor * end, 2, way))) for end, way in ends)
 
 
 def curve_look(k: int) -> dict[str, Any]:

@@ -193,6 +193,8 @@ def _certainty(summary: Json) -> str:
         head = f"{RELIABLE}: {sure}" if sure else RELIABLE
         return f"{head}.{' Less certain: ' + exception[0] + '.' if exception else ''}"
     remainder = f" {RELIABLE}: {'the other ' if shown else ''}{sure}." if sure else ""
+    if not trust.get("automatic", True):
+        remainder = " The step was given: ranges cover it and its companions only; others may differ more."
     # An acceleration leads only where nothing that a joint has to carry is uncertain.
     values = "; ".join([*shown, *unlisted])
     return f"Sensitive to the step size: {values}. Quote these ranges.{remainder}"
