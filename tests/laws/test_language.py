@@ -18,6 +18,7 @@ from vfife.errors import LawError
 from vfife.laws import ContactLaw, FrictionLaw, Pair, agreement, check, user
 from vfife.laws.agreement import agreement_of, compared
 from vfife.laws.check import faults, faults_of_functions, faults_of_loops, try_out
+from vfife.laws.contact.hertz import Hertz
 from vfife.laws.language import codes
 from vfife.laws.law import law_kind
 
@@ -485,6 +486,17 @@ def test_parameters_that_do_not_end_are_stopped(monkeypatch):
     monkeypatch.setattr(law, "elastic_energy", endless)
     assert "elastic_energy() has run for" in faults(law)[0]
     assert user.SECONDS == 10.0
+
+
+def test_an_elastic_energy_is_the_integral_of_the_elastic_force(monkeypatch):
+    assert faults(Hertz) == []
+    right = Hertz.elastic_energy
+    for factor, is_fault in ((1.2, True), (0.8, True), (1.001, False)):
+        monkeypatch.setattr(
+            Hertz, "elastic_energy", lambda self, depth, p, share=factor: share * right(self, depth, p)
+        )
+        assert bool(faults(Hertz)) is is_fault
+        assert not is_fault or "the integral of the elastic force is" in faults(Hertz)[0]
 
 
 def test_a_law_is_compared_once_and_anew_when_a_number_of_its_file_changes(monkeypatch):

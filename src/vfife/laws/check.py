@@ -79,6 +79,8 @@ def place(law: type[Law]) -> str:
     return f"{origin}law {law.name!r} ({law.__name__})"
 
 
+INTERVALS = 400  # of the integral of an elastic force: exact to 1e-5 for a power of 1.5
+ENERGY_TOLERANCE = 0.01  # share by which an elastic energy may differ from that integral
 ARGUMENTS = {
     "contact": ("penetration", "slowness", "p"),
     "friction": ("normal_force", "free_velocity", "mobility", "memory", "dt", "p"),
@@ -234,15 +236,26 @@ def faults_of_numbers(law: Law, pair: Pair) -> list[str]:
 
 
 def faults_of_energy(law: Any, pair: Pair, p: tuple[float, ...]) -> list[str]:
-    """Return a fault if the elastic energy is not computed in time; the energy ledger checks its value."""
+    """Return a fault if the elastic energy is not computed in time, or is not the integral of the elastic
+    force: the ledger of a run would have an error that no step removes.
+    """
+    origin, depth = place(type(law)), 0.1 * pair.clearance
     try:
         with limited(SECONDS):
-            law.elastic_energy(0.1 * pair.clearance, p)
+            energy = float(law.elastic_energy(depth, p)) - float(law.elastic_energy(0.0, p))
+            places = [depth * k / INTERVALS for k in range(INTERVALS + 1)]
+            forces = [float(law.force(place, 0.0, p)[0]) for place in places]
     except Endless:
-        return [f"{place(type(law))}: elastic_energy() {ENDLESS}"]
+        return [f"{origin}: elastic_energy() {ENDLESS}"]
     except Exception:  # an elastic energy is optional
         return []
-    return []
+    integral = depth / INTERVALS * (sum(forces) - 0.5 * (forces[0] + forces[-1]))
+    if abs(energy - integral) <= ENERGY_TOLERANCE * abs(integral):
+        return []
+    return [
+        f"{origin}: elastic_energy() gives {energy:.4g} J at penetration {depth:g} m, and the integral of"
+        f" the elastic force is {integral:.4g} J; correct it, or leave it out: it is integrated then"
+    ]
 
 
 def faults_of_film(law: Any, pair: Pair, p: tuple[float, ...]) -> list[str]:
