@@ -208,7 +208,7 @@ def new_file(checks: Arguments, value: str | Path) -> Path:
     elif path.exists():
         remedy = "name another one, or remove it"
         if is_run_file(path):
-            remedy = f"go on with it by vfife.resume({str(value)!r}), or read it by vfife.load(); else {remedy}"
+            remedy = f"go on with vfife.resume({str(value)!r}), or read it with vfife.load(); else {remedy}"
         checks.fault("file", "there is a file of this name", str(value), "a new file", remedy)
     return path
 
