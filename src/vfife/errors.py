@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import difflib
 import json
+import re
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from itertools import islice
@@ -16,6 +17,7 @@ Path = tuple[str | int, ...]
 Class = TypeVar("Class", bound=type)
 MOST_FAULTS = 100  # further faults are counted, but not listed
 LEAST_BEGINNING = 3  # letters of a name that may be the beginning of another
+ENTRY = re.compile(r"(?<=[\w\]])\[(\d+)\]")  # the index of an entry of a list, counted from 0
 MOST_NAMES = 1000  # names looked through for one that looks alike
 
 
@@ -123,8 +125,14 @@ class Fault(VfifeError):
         limit = f"; allowed: {self.limit}" if self.limit else ""
         remedy = f". {self.remedy[0].upper()}{self.remedy[1:]}" if self.remedy else ""
         end = "" if f"{self.what}{limit}{remedy}".endswith(("?", ".", "!")) else "."
-        begin = f"{self.where}{value}: " if self.where or value else ""
+        begin = f"{self.where}{entry_number(self.where)}{value}: " if self.where or value else ""
         return printable(f"{begin}{self.what}{limit}{remedy}{end}")
+
+
+def entry_number(where: str) -> str:
+    """Return the entry of a list at a place, counted from 1: " (entry 4)" of "values[3]"; "" of others."""
+    numbers = [str(int(index) + 1) for index in ENTRY.findall(where)]
+    return f" (entry {', in it '.join(numbers)})" if numbers else ""
 
 
 def article(word: Any) -> str:

@@ -385,6 +385,7 @@ def test_a_line_of_progress_does_not_go_backward_where_a_search_needs_more_cases
         line(counter(done, total))
         shares.append(line.share)
     assert shares == [0.1, 0.9, 0.9, 0.9] and "more than the 10 of the forecast" in line.last
+    assert line.last.startswith("12 of 20 cases")  # a share of the forecast would mean nothing
     line(Progress(9, 10, 1.0))  # a run that is followed by other work
     line(Progress(1, 100, 1.0, "1 of 100 runs"))
     assert line.share == 0.01
@@ -393,6 +394,9 @@ def test_a_line_of_progress_does_not_go_backward_where_a_search_needs_more_cases
     for done, total in ((9, 10), (11, 20), (19, 20)):
         part(Progress(done, total, 1.0, "cases"))
     assert [one.share for one in shown] == pytest.approx([0.9, 0.9, 0.95])
+    part(Progress(20, 24, 1.0, "20 of 24 cases", beyond_forecast=True))
+    line(shown[-1])
+    assert line.last == "fits: 20 of 24 cases"
 
 
 @pytest.mark.slow("the same answer")

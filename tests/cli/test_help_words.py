@@ -53,6 +53,17 @@ def test_all_kinds_of_topics_are_found() -> None:
     assert ("page", "wear.html") in {(one.kind, one.name) for one in topics.search("life")}
 
 
+@pytest.mark.parametrize("word", ["gauge", "absolute"])
+def test_kinds_of_pressure_find_the_keys_of_a_load(word: str) -> None:
+    names = {one.name for one in topics.search(word) if one.kind == "key of a model"}
+    assert {"load.NAME.pressure", "load.NAME.ambient"} <= names
+
+
+@pytest.mark.parametrize("word", ["dB", "decibel", "sound pressure"])
+def test_levels_of_sound_lead_to_the_page_on_noise(word: str) -> None:
+    assert ("page", "spectra.html") in {(one.kind, one.name) for one in topics.search(word)}
+
+
 @pytest.mark.parametrize(
     ("word", "names"),
     [("toggle", {"toggle_press", "williams_toggle"}), ("press", {"toggle_press", "six_bar_press"})],

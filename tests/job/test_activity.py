@@ -78,6 +78,19 @@ def test_short_parts_quiet_commands_and_progress_lines_are_not_explained(
 
 
 @pytest.mark.usefixtures("hasty")
+def test_a_command_without_a_part_has_its_own_time_after_a_progress_line(monkeypatch) -> None:
+    """The line after 70 s of work says 70 s, not the 2 s since the last line of progress."""
+    error, doing = StringIO(), Activity()
+    monkeypatch.setattr(sys, "stderr", error)
+    monkeypatch.setattr("vfife.job.progress.ACTIVITY", doing)
+    with doing.watched("vfife design"):
+        with ProgressLine(quiet=True):
+            doing.command_began -= 70.0
+        said = wait_for("so far", error)
+    assert said.startswith("note: vfife design: 1 min 10 s so far"), said
+
+
+@pytest.mark.usefixtures("hasty")
 def test_the_line_of_a_terminal_is_erased(monkeypatch: pytest.MonkeyPatch) -> None:
     error, doing = Terminal(), Activity()
     monkeypatch.setattr(sys, "stderr", error)

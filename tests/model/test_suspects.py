@@ -72,7 +72,7 @@ def swinging(m: Mechanism) -> Mechanism:
     [
         (linkage(280.0), ["body.coupler.length is 280 m, 1,273 times the others", "280 mm?"]),
         (linkage(0.28e-3), ["body.coupler.length is 0.28 mm", "times smaller"]),
-        (linkage(unit=1e3), ["ground.D is 300 m long", "not mm?"]),
+        (linkage(unit=1e3), ["body.crank.length is 100 m", "ground.D is 300 m", "300 mm?"]),
         (with_bearing(linkage(), 8.0), ["joint.C.bearing_radius is 8 m, more than the", "is it 8 mm?"]),
         (with_clearance(linkage(), 0.08), ["joint.C.clearance is 80 mm, 80 % of", "is it 0.08 mm?"]),
         (rushing(linkage()), ["driver.crank.speed is 3,000 rad/s, which is 28,647.9 rpm", "is it 3000 rpm?"]),
@@ -190,6 +190,29 @@ def test_open_ends_that_are_meant_are_not_told():
     assert suspects(pendulum) == ()
 
 
+def resized(m: Mechanism, **lengths: float) -> Mechanism:
+    for name, length in lengths.items():
+        m.bodies[name] = dataclasses.replace(m.bodies[name], length=length)
+    return m
+
+
+@pytest.mark.parametrize(
+    ("crank", "rod", "words"),
+    [
+        (25.0, 110.0, "body.crank.length is 25 m, body.rod.length is 110 m: are they 25 mm, 110 mm?"),
+        (22.5, 92.5, "body.crank.length is 22.5 m, body.rod.length is 92.5 m: are they 22.5 mm, 92.5 mm?"),
+    ],
+)
+def test_lengths_of_links_in_metres_are_named_and_not_what_follows_from_them(crank, rod, words) -> None:
+    (told,) = suspects(resized(gallery.compressor(), crank=crank, rod=rod))
+    assert told == f"{words} Numbers without a unit are metres."
+
+
+def test_links_of_a_large_machine_are_not_cautioned_about() -> None:
+    beams = resized(with_clearance(linkage(), 1e-4), crank=5.5, coupler=15.4, rocker=12.1)
+    assert not any("length" in text for text in suspects(beams))
+
+
 @pytest.mark.parametrize(("free_length", "said"), [(100.0, True), (0.1, False), (0.0, False), (None, False)])
 def test_a_free_length_in_metres_names_its_spring(free_length: float | None, said: bool) -> None:
     m = linkage()
@@ -246,6 +269,39 @@ def scaled(m: Mechanism, factor: float) -> dict:
     load = m.loads["gas"]
     keys = [key for key in ("pressure", "pressure_back") if getattr(load, key) is not None]
     return {key: tuple(factor * value for value in getattr(load, key)) for key in keys}
+
+
+def above_ambient(m: Mechanism, zero: float) -> dict:
+    """Return the pressures less ``zero`` (Pa)."""
+    load = m.loads["gas"]
+    return {key: tuple(value - zero for value in getattr(load, key)) for key in ("pressure", "pressure_back")}
+
+
+@pytest.mark.parametrize(
+    ("zero", "ambient", "words"),
+    [
+        (0.0, 1.013e5, None),
+        (1.013e5, 1.013e5, "falls to -0.063 bar, below a vacuum"),
+        (0.945e5, 1.013e5, "falls to 0.005 bar, nearly a vacuum"),
+        (1.013e5, 0.0, None),
+    ],
+)
+def test_gauge_pressure_beside_an_ambient_is_cautioned_about(zero: float, ambient: float, words) -> None:
+    model = gallery.compressor()
+    found = suspects(pressed(model, ambient=ambient, **above_ambient(model, zero)))
+    assert len(found) == (words is not None)
+    assert words is None or (words in found[0] and 'For gauge pressure set ambient = "0 bar"' in found[0])
+
+
+def test_gauge_pressure_of_an_expression_is_cautioned_about() -> None:
+    def gas(expression: str) -> Mechanism:
+        model = gallery.compressor()
+        unset = dict.fromkeys(("pressure", "pressure_back"))
+        return pressed(model, travels=(0.077, 0.123), zero_travel=0.0, expression=expression, **unset)
+
+    (told,) = suspects(gas("8[bar] * (x - 0.078) / 0.05"))
+    assert "load.gas falls to -0.16 bar, below a vacuum, and looks like gauge pressure" in told
+    assert suspects(gas("1[bar] + 8[bar] * (x - 0.077) / 0.05")) == ()
 
 
 def rubbing(m: Mechanism, coefficient: float) -> None:

@@ -190,6 +190,11 @@ def test_inputs_are_shown_as_given_with_whether_they_give_the_run(tmp_path: Path
     )
     _, changed = model_file(kept.replace("0.15", "0.16"), str(path))
     assert "0.16" in changed.text and len(changed.text.splitlines()) < 4
+    wide = load(path, {"joint.C.clearance": "75 um", "driver.crank.speed": "300 rpm", "run.turns": 20})
+    _, changed = model_file(dump(wide), str(path))
+    assert changed.text.splitlines() == [
+        "run.turns = 20.0", "joint.C.clearance = 7.5e-05  (75 µm)", "driver.crank.speed = 31.4159  (300 rpm)",
+    ]  # fmt: skip
     assert (
         "is missing or cannot be read" in elements(model_file(kept, str(tmp_path / "gone.toml")))
         and model_file(kept, None) == []

@@ -239,7 +239,7 @@ class DesignWork:
         if self.allotment is not None:
             task = self.allotment[1]
             count = expected_machines(task) + corner_count(len(self.letters))
-            parts["fits"] = machines(count, (allotment_remark(task),))
+            parts["fits"] = machines(count, (allotment_remark(task, seconds),))
         if surfaces_of(self.wearing):
             turns, end = self.options["wear_turns"], self.end_of_life
             with suppress(VfifeError):  # it becomes the reason why lives are missing

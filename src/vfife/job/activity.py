@@ -29,16 +29,18 @@ class Activity:
     """
 
     def __init__(self) -> None:
-        self.text, self.seconds = "", 0.0
-        self.began = self.due = 0.0
+        self.text, self.seconds, self.command = "", 0.0, ""
+        self.began = self.due = self.command_began = 0.0
         self.width = self.pauses = 0  # columns of the line on a terminal; progress lines that are shown
         self.stop: threading.Event | None = None
 
     def __call__(self, text: str, seconds: float = 0.0) -> None:
         """Note what is done from now on, and how long (s) that takes, 0 if unknown."""
         self.erase()
-        self.text, self.seconds, self.began = text, seconds, time.monotonic()
-        self.due = self.began + PATIENCE
+        self.text, self.seconds, moment = text, seconds, time.monotonic()
+        # The name of a command without a part has the time of the command, also after a progress line.
+        self.began = self.command_began if text == self.command else moment
+        self.due = moment + PATIENCE
 
     @contextmanager
     def watched(self, text: str, quiet: bool = False) -> Iterator[None]:
@@ -48,6 +50,7 @@ class Activity:
         if quiet or self.stop is not None:
             yield
             return
+        self.command, self.command_began = text, time.monotonic()
         self(text)
         self.pauses, self.stop = 0, threading.Event()
         threading.Thread(target=self.watch, args=(self.stop,), daemon=True).start()

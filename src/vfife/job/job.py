@@ -138,7 +138,8 @@ class PartJob(Job):
         text = progress.text or f"{progress.done:,} of {progress.steps:,} steps"
         # A search may need more cases than forecast: its share stays, instead of going backward.
         self.done = max(self.done, round(FINE * (begin + (end - begin) * progress.share)))
-        self.job(Progress(self.done, FINE, progress.seconds, f"{self.title}: {text}"))
+        text = f"{self.title}: {text}"
+        self.job(Progress(self.done, FINE, progress.seconds, text, progress.beyond_forecast))
 
 
 def job_of(

@@ -183,15 +183,16 @@ class Counter:
         rate = (done - self.first) / seconds
         left = f"{span((total - done) / rate)} left" if done < total and rate else f"in {span(seconds)}"
         bad = f"  {self.failed:,} failed" if self.failed else ""
-        if total > self.forecast:
+        if more := total > self.forecast:
             left = f"more than the {self.forecast:,} of the forecast"
-        return Progress(
-            done, total, seconds, f"{done:,} of {total:,} {self.noun}  {rate:.3g} {self.noun}/s  {left}{bad}"
-        )
+        text = f"{done:,} of {total:,} {self.noun}  {rate:.3g} {self.noun}/s  {left}{bad}"
+        return Progress(done, total, seconds, text, more)
 
 
 def sentence(progress: Progress, share: float | None = None) -> str:
     """Return the progress as a sentence; ``share``: what is shown of work with a text, if not its own."""
+    if progress.beyond_forecast:
+        return progress.text
     if progress.text:
         return f"{100.0 * (progress.share if share is None else share):3.0f} %  {progress.text}"
     head = f"{100.0 * progress.share:3.0f} %  {progress.done:,} of {progress.steps:,} steps"

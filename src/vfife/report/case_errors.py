@@ -91,9 +91,8 @@ def error_table(study: Study) -> Part:
             rows.append((name, NOT_ESTIMATED, "", ""))
         else:
             rows.append((name, quantity(error.typical, unit), quantity(error.most, unit, UP), error.words))
-    return Table(
-        ("numerical error of a case", "typically", "at most", "estimated from"), rows, numbers=(1, 2)
-    )
+    heads = ("numerical error of a case", "typically", "at most", "estimated from")
+    return Table(heads, rows, numbers=(1, 2), names=(0,))
 
 
 def study_cautions(study: Study) -> list[Part]:

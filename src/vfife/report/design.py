@@ -15,6 +15,7 @@ from .design_words import UNKNOWN, and_words, end, quantity_of, sentence, words
 from .digits import interval, large_numbers, life_words, percent, prefixed, turns_words
 from .document import Bullets, Document, Facts, Figure, Paragraph, Part, Section, Table
 from .fits import fit_cautions, fit_sentence, fits_data
+from .overview import settling_options
 from .pages import model_parts
 from .study import no_blows
 from .wear import DIFFERENT
@@ -342,7 +343,8 @@ def life_cautions(design: Design, wear: Worn) -> Iterator[str]:
 def next_steps(design: Design, model: str) -> Iterator[str]:
     """Yield commands that go further."""
     if shows_ranks(design):
-        yield f"vfife run {model} --settle 1%   (does the motion repeat? then: vfife design --turns N)"
+        options = settling_options(design.turns)
+        yield f"vfife run {model} {options}   (does the motion repeat? then: vfife design --turns N)"
     if differentiable(design.measure) and not design.sensitive:
         yield f"vfife sensitivity {model} --of {design.measure}   (the effect of all other numbers)"
     else:

@@ -452,6 +452,11 @@ def alternation_caution(turns: Json) -> str:
     return f"The motion still settles: its turns do not repeat in pairs, {words}. Run {2 * count} turns."
 
 
+def settling_options(count: int) -> str:
+    """Return the options of a run that ends when its turns repeat, after one of ``count`` turns."""
+    return f"--turns {10 * max(count, 4)} --settle 1%"
+
+
 TWO_TURNS = 2.0 - 1e-9  # a run of two turns ends by rounding just before
 
 
@@ -463,15 +468,14 @@ def cautions(summary: Json) -> Iterator[str]:
     if turns and turns["motion"] in ("settling", "unsettled") and turns["distance"] is not None:
         distance = turn_distance(turns["distance"])
         yield alternation_caution(turns) or (
-            f"The turns do not repeat yet ({distance} apart): run up to {10 * max(turns['count'], 4)} turns"
-            " with --settle 1%."
+            f"The turns do not repeat yet ({distance} apart): run it with {settling_options(turns['count'])}."
         )
     elif (
         summary["contacts"] and summary["run"].get("steady") and (summary["run"]["turns"] or 0.0) < 2.0 - 1e-9
     ):
         yield (
             "The run has fewer than two turns, so whether turns repeat is not known, and later ones may have"
-            " other forces: run up to 40 turns with --settle 1%."
+            f" other forces: run it with {settling_options(0)}."
         )
     yield from summary["run"]["notes"]
     if summary["conformal"]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,9 +15,12 @@ from ..errors import VfifeError
 from ..files import read_bytes
 from ..modelfile import dump, load
 from ..modelfile.csvtables import CURVES
+from ..modelfile.parameter import Parameter
 from ..modelfile.tables import CSV
+from ..units import in_rpm
 from .case_errors import error_table, study_cautions
 from .check import mechanism_parts
+from .digits import prefixed
 from .document import (
     Bullets,
     Document,
@@ -193,14 +197,42 @@ def model_file(model: str, source: str | None) -> list[Part]:
         return [Paragraph(f"{name} is missing or cannot be read."), rounded_model(model)]
     if written == model:
         return [_model("As written", text, f"{name}. The run has these numbers."), *tables]
-    written_lines = set(written.splitlines())
-    lines = [with_short_lists(rounded(line)) for line in model.splitlines() if line not in written_lines]
     changed = _model(
         "As it was run instead",
-        "\n".join(lines),
+        "\n".join(_differences(model, written)),
         "Options changed these lines, or the file was changed since the run.",
     )
     return [_model("As written", text, f"{name} as it reads now."), changed, *tables]
+
+
+def _differences(model: str, written: str) -> Iterator[str]:
+    """Yield the values of a ``model`` that a model as ``written`` does not have, with their paths and, beside
+    SI units, readable ones.
+    """
+    values, tables = set(_assignments(written)), tomllib.loads(model)
+    for path, value in _assignments(model):
+        if (path, value) not in values:
+            size = _readable(tables, path, value)
+            yield f"{path} = {with_short_lists(rounded(value))}{f'  ({size})' if size else ''}"
+
+
+def _assignments(model: str) -> Iterator[tuple[str, str]]:
+    """Yield path and value, as text, of each line of a model as :func:`~vfife.modelfile.dump` writes it."""
+    table = ""
+    for line in model.splitlines():
+        key, equals, value = line.partition(" = ")
+        if line.startswith("["):
+            table = f"{line.strip('[]')}."
+        elif equals:
+            yield f"{table}{key}", value
+
+
+def _readable(tables: dict[str, Any], path: str, value: str) -> str:
+    """Return a number of a model in a unit for readers; "" of other values and of numbers without unit."""
+    with suppress(ValueError):  # no number, or a part of a table that has none by itself
+        number, unit = float(value), Parameter(tables, path).unit
+        return "" if unit in ("", "1") else in_rpm(number) if unit == "rad/s" else prefixed(number, unit)
+    return ""
 
 
 def csv_tables(text: str, folder: Path) -> list[Preformatted]:

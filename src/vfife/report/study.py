@@ -158,7 +158,9 @@ def extreme_table(study: Study, title: str = "") -> Table:
                 values_words(study, entry["largest_at"]),
             )
         )
-    return Table(("measure", "least", "at", "mean", "largest", "at"), rows, title, numbers=(1, 3, 4))
+    return Table(
+        ("measure", "least", "at", "mean", "largest", "at"), rows, title, numbers=(1, 3, 4), names=(0,)
+    )
 
 
 def document(study: Study, cases: bool = False, members: bool = False) -> Document:

@@ -21,13 +21,14 @@ class Status(StrEnum):
 @dataclass(frozen=True)
 class Progress:
     """Progress of a run: ``done`` of ``steps`` steps after ``seconds``, and a ``text`` if that is not
-    enough.
+    enough. ``beyond_forecast``: a search that needs more cases than forecast, so that its share means little.
     """
 
     done: int
     steps: int
     seconds: float
     text: str = ""
+    beyond_forecast: bool = False
 
     @property
     def share(self) -> float:

@@ -221,23 +221,27 @@ def allotment_forecast(plan: Plan, task: Allotment, file: Path | None) -> Foreca
     count = expected_machines(task)
     done = min(len(finished(file)), count)
     cases = CasesLeft(plan, numbers, count - done, done, task.table.batch).forecast()
-    return dataclasses.replace(cases, remarks=(*cases.remarks, allotment_remark(task)) if cases.count else ())
+    if not cases.count:
+        return dataclasses.replace(cases, remarks=())
+    remark = allotment_remark(task, cases.seconds / cases.count)
+    return dataclasses.replace(cases, remarks=(*cases.remarks, remark))
 
 
-def allotment_remark(task: Allotment) -> str:
-    """Return a sentence on the machines of an allocation."""
+def allotment_remark(task: Allotment, seconds: float) -> str:
+    """Return a sentence on the machines of an allocation, each of which takes ``seconds`` on all cores."""
     machines, choices = task.table.count or task.table.least_count, math.prod(map(len, task.options))
     smallest_count, largest_count = machine_counts(task)
+    largest = f"{largest_count:,} ({span(largest_count * seconds)})"
     if task.table.search == ALL_CHOICES:
         return (
             f"{counted(choices, 'choice')} of fits: about {smallest_count:,} machines where the cheapest is"
-            f" taken, {largest_count:,} where the dearest is, more where some are close to the limit,"
+            f" taken, {largest} where the dearest is, more where some are close to the limit,"
             f" {machines * choices:,} at most."
         )
     order = "" if task.table.search == SAME_FITS else ", then cheaper ones joint by joint"
     return (
         f"the same grades in all joints{order}: about {smallest_count:,} machines where none keeps the limit,"
-        f" {largest_count:,} where some do, more where some are close to the limit."
+        f" {largest} where some do, more where some are close to the limit."
     )
 
 

@@ -46,7 +46,10 @@ PAGES = {
     "tolerance": ("Tolerances, fits, optimisation", "ISO 286 scatter allocation cost pareto"),
     "sensitivity": ("Sensitivities", "derivative gradient influence"),
     "wear": ("Wear", "life archard durability"),
-    "spectra": ("Noise and vibration", "FFT spectrum frequency order modes waterfall resonance"),
+    "spectra": (
+        "Noise and vibration",
+        "FFT spectrum frequency order modes waterfall resonance decibel dB level sound pressure",
+    ),
     "fit": ("Identification", "measured calibrate fit parameter"),
     "live": ("Live pages", "browser editor"),
     "model-file": ("Model file", "toml unit body joint driver load csv table top dead centre crank angle"),
@@ -92,7 +95,8 @@ SYNONYMS = tuple(
 # Words that users search for, by the last name of a key of a model.
 KEY_WORDS = {
     "table": "csv excel pressure",
-    "pressure": "gas cylinder indicator diagram",
+    "pressure": "gas cylinder indicator diagram absolute gauge vacuum",
+    "ambient": "atmosphere absolute gauge vacuum barg",
     "zero_travel": "top bottom dead centre center tdc bdc stroke",
     "reverse": "top bottom dead centre center tdc bdc",
     "bore": "cylinder piston diameter",

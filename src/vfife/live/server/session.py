@@ -21,6 +21,8 @@ from .pages import Pages
 INTERVAL = 0.2  # s between two checks of the files
 # Limit of simultaneous browsers. Each holds at most one event per kind and document, and system buffers.
 MOST_BROWSERS = 64
+# The command line in a process. Called so, it names itself "vfife" in the commands that it proposes.
+COMMAND = "from vfife.__main__ import main; main()"
 Key = tuple[str, str]
 
 
@@ -65,7 +67,7 @@ class Runs:
         process = self.processes.get(document.id)
         if process is not None and process.poll() is None:
             raise Conflict("this model is being run; wait for its end")
-        command = [sys.executable, "-m", "vfife", "run", str(document.path), *self.options]
+        command = [sys.executable, "-c", COMMAND, "run", str(document.path), *self.options]
         pipe = subprocess.PIPE
         process = subprocess.Popen(
             command, cwd=self.folder, stdin=subprocess.DEVNULL, stdout=pipe, stderr=subprocess.STDOUT,

@@ -17,10 +17,11 @@ class GuideForce(Load):
     """A force along the guide of the joint ``slider`` on its journal, with its opposite on the bearing: of a
     piston, a spindle or a nonlinear spring.
 
-    It is a ``force`` (N), or a ``pressure`` (Pa) above ``ambient`` on the area pi bore^2/4 of a ``bore`` (m);
-    with a bore an ``expression`` is a pressure. A positive force pushes the journal along the guide's
-    direction or, with ``reverse``, against it. ``force_back``, ``pressure_back`` or ``expression_back`` apply
-    while the journal moves against the guide's direction: the area between both curves is the work of a turn.
+    It is a ``force`` (N), or an absolute ``pressure`` (Pa) above ``ambient`` on the area pi bore^2/4 of a
+    ``bore`` (m); with a bore an ``expression`` is a pressure. A positive force pushes the journal along the
+    guide's direction or, with ``reverse``, against it. ``force_back``, ``pressure_back`` or
+    ``expression_back`` apply while the journal moves against the guide's direction: the area between both
+    curves is the work of a turn.
     """
 
     kind = "guide"
@@ -35,7 +36,9 @@ class GuideForce(Load):
         Measure("N", series=True), "force along the guide: one, or one for each place of the table", None
     )
     pressure: float | tuple[float, ...] | None = described(
-        Measure("Pa", series=True), "pressure on the bore: one, or one for each place of the table", None
+        Measure("Pa", series=True),
+        "absolute pressure on the bore, or gauge if ambient is 0: one, or one for each place of the table",
+        None,
     )
     force_back: tuple[float, ...] | None = described(
         Measure("N", series=True),
@@ -48,7 +51,9 @@ class GuideForce(Load):
         None,
     )
     bore: float | None = quantity("m", "diameter on which the pressure acts", None, above=0.0)
-    ambient: float = quantity("Pa", "pressure on the other side, which is subtracted", 0.0)
+    ambient: float = quantity(
+        "Pa", "absolute pressure on the other side, which is subtracted; 0 bar for gauge pressures", 0.0
+    )
     reverse: bool = described(
         Switch(), "true: a positive force pushes the journal against the guide's direction", False
     )

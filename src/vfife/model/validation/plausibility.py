@@ -14,13 +14,12 @@ from ...numerics.scalar import cos, distance, hypot, sin
 from ...units import in_rpm
 from ..bodies import Frame, Link, PointMass, RigidBody
 from .checks import neighbours_of, reached
+from .lengths import links_in_metres, suspect_lengths, suspect_spring_lengths
 
 if TYPE_CHECKING:
+    from ..loads import Load
     from ..mechanism import Mechanism
 
-# A length this many times the median of the others is cautioned about; millimetres taken for metres: 1000.
-OUT_OF_SCALE = 100.0
-HUGE = 50.0  # m, longer than the links of machines
 # Ratios of radius of gyration and size between which nothing is cautioned about: of bodies between moving
 # joints, whose size is the largest distance of two points (a uniform rod has 0.29, a mass at each end 0.5),
 # and of others, among them cranks with flywheels.
@@ -32,6 +31,7 @@ ANGLES = "angle", "zero_angle", "amplitude", "phase"  # keys of angles that a tu
 LEAST_OFFSET = 1e-6  # of a clearance: less is rounding of a place in the middle
 HIGH_FRICTION = 2.0  # rubber on dry concrete has about 1
 VACUUM = 0.2  # of the ambient pressure
+NEAR_VACUUM = 0.01  # of the ambient pressure: 10 mbar, which no piston reaches
 MANY_TURNS = 10.0
 HEAVY = 300.0  # times the median of the other masses; grams taken for kilograms: 1000
 LOOSE = 0.2  # of the bearing's radius, or of the block's height: clearances of machines are below 0.05
@@ -47,8 +47,8 @@ def suspects(mechanism: Mechanism) -> tuple[str, ...]:
 def suspect_sizes(mechanism: Mechanism) -> tuple[str, ...]:
     """Return cautions about numbers."""
     return (
-        *_lengths(mechanism),
-        *_spring_lengths(mechanism),
+        *suspect_lengths(mechanism),
+        *suspect_spring_lengths(mechanism),
         *_inertias(mechanism),
         *_angles(mechanism),
         *suspect_surfaces(mechanism),
@@ -133,22 +133,50 @@ def _frictions(mechanism: Mechanism) -> Iterator[str]:
 
 
 def _pressures(mechanism: Mechanism) -> Iterator[str]:
-    """Caution about pressures of a load that all stay far below the ambient one, as of kPa taken for bar, and
-    about tables over so many turns that their angles may be in degrees.
+    """Caution about pressures that do not fit the ambient one, and about tables over so many turns that their
+    angles may be in degrees.
     """
     for name, load in mechanism.loads.items():
-        pressure, ambient = getattr(load, "pressure", None), getattr(load, "ambient", 0.0)
-        values = pressure if isinstance(pressure, tuple) else (pressure,) if pressure else ()
-        if values and 0.0 <= max(values) < VACUUM * ambient:
-            yield (
-                f"The pressure of load.{name} never exceeds {max(values):.4g} Pa, far below the ambient"
-                f" {ambient:.4g} Pa: check its unit, or whether it is a gauge pressure."
-            )
+        if load.ambient_pressure > 0.0:
+            yield from _suspect_pressure(name, load.ambient_pressure, *_pressure_bounds(load))
         angles = load.places if load.axis == "angles" else ()
         if len(angles) > 1 and angles[-1] - angles[0] > MANY_TURNS * FULL_TURN:
             turns = (angles[-1] - angles[0]) / FULL_TURN
             extent = f"The table of load.{name} covers {turns:.3g} turns of the crank"
             yield f"{extent}: are its angles in degrees?"
+
+
+def _pressure_bounds(load: Load) -> tuple[float, float]:
+    """Return the lowest and highest pressure (Pa) of both strokes of a load, before the ambient one is
+    subtracted.
+    """
+    given = [getattr(load, key, None) for key in ("pressure", "pressure_back")]
+    values = [
+        value for entry in given if entry is not None
+        for value in (entry if isinstance(entry, tuple) else (entry,))
+    ]  # fmt: skip
+    if values:
+        return min(values), max(values)
+    lowest, highest = load.bounds
+    return lowest + load.ambient_pressure, highest + load.ambient_pressure
+
+
+def _suspect_pressure(name: str, ambient: float, lowest: float, highest: float) -> Iterator[str]:
+    """Caution about pressures of a load between ``lowest`` and ``highest`` (Pa) that all stay far below the
+    ``ambient`` one, as of kPa taken for bar, and about gauge pressures, from which none is to be subtracted.
+    """
+    if 0.0 <= highest < VACUUM * ambient:
+        yield (
+            f"The pressure of load.{name} never exceeds {highest:.4g} Pa, far below the ambient"
+            f" {ambient:.4g} Pa: check its unit, or whether it is a gauge pressure."
+        )
+    elif lowest < NEAR_VACUUM * ambient:
+        yield (
+            f"The pressure of load.{name} falls to {1e-5 * lowest:.3g} bar,"
+            f" {'below' if lowest < 0.0 else 'nearly'} a vacuum, and looks like gauge pressure: its ambient,"
+            f" {1e-5 * ambient:.4g} bar, is subtracted from absolute pressures. For gauge pressure set"
+            ' ambient = "0 bar".'
+        )
 
 
 def _masses(mechanism: Mechanism) -> Iterator[str]:
@@ -167,77 +195,13 @@ def _masses(mechanism: Mechanism) -> Iterator[str]:
             )
 
 
-def _sizes(mechanism: Mechanism) -> dict[str, float]:
-    """Return the lengths (m) of links, joints and places of the ground, by path."""
-    sizes = {
-        f"body.{name}.length": body.length
-        for name, body in mechanism.bodies.items()
-        if isinstance(body, Link)
-    }
-    sizes |= {
-        f"joint.{name}.length": length
-        for name, joint in mechanism.joints.items()
-        if (length := getattr(joint, "length", None))
-    }
-    for name, (x, y) in mechanism.points.items():
-        sizes |= {f"ground.{name}": hypot(x, y)} if x or y else {}
-    return sizes
-
-
-def _spring_lengths(mechanism: Mechanism) -> Iterator[str]:
-    """Caution about free lengths of springs a hundred times the other lengths, or longer than any machine; a
-    short one, or none, is usual.
-    """
-    sizes = list(_sizes(mechanism).values())
-    for body in mechanism.bodies.values():
-        pins = body.pins.values() if isinstance(body, RigidBody) else ()
-        sizes += [size for pin in pins if (size := hypot(*pin))]
-    usual = median(sizes) if sizes else 0.0
-    for name, spring in mechanism.springs.items():
-        length = getattr(spring, "free_length", None) or 0.0
-        if length > (OUT_OF_SCALE * usual or HUGE):
-            ratio = f", {length / usual:,.0f} times the other lengths" if usual else ""
-            yield (
-                f"spring.{name}.free_length is {length:.6g} m{ratio}: is it {length:.6g} mm? Numbers without"
-                " a unit are metres."
-            )
-
-
-def _lengths(mechanism: Mechanism) -> Iterator[str]:
-    """Caution about lengths a hundred times larger or smaller than the others, or larger than any machine."""
-    sizes = _sizes(mechanism)
-    cautioned, lengths = False, sizes.values()
-    # Medians take long: none is needed if no two lengths are so far apart.
-    disparity = len(sizes) > 2 and not min(lengths) / max(lengths) >= 1.0 / OUT_OF_SCALE
-    for path, size in sizes.items() if disparity else ():
-        ratio = size / median(value for key, value in sizes.items() if key != path)
-        if ratio > OUT_OF_SCALE:
-            cautioned = True
-            yield (
-                f"{path} is {size:.6g} m, {ratio:,.0f} times the others: is it {size:.6g} mm? Numbers"
-                " without a unit are metres."
-            )
-        elif ratio < 1.0 / OUT_OF_SCALE:
-            cautioned = True
-            yield (
-                f"{path} is {1e3 * size:.4g} mm, {1.0 / ratio:,.0f} times smaller than the others: check its"
-                " unit."
-            )
-    largest = max(sizes, key=lambda key: sizes[key], default="")
-    if largest and not cautioned and sizes[largest] > HUGE and mechanism.settings.analysis != "static":
-        yield (
-            f"{largest} is {sizes[largest]:.6g} m long. Numbers without a unit are metres: is this meant, and"
-            " not mm?"
-        )
-
-
 def _inertias(mechanism: Mechanism) -> Iterator[str]:
     """Caution about radii of gyration, (I/m)^(1/2), that contradict the size of the body: kg mm^2 for kg m^2
     is a factor of a thousand, pounds for kilograms one of two.
     """
-    pairs = connections(mechanism)
+    pairs, too_long = connections(mechanism), links_in_metres(mechanism)
     for name, body in mechanism.bodies.items():
-        if not (isinstance(body, Link | RigidBody) and body.mass and body.inertia):
+        if not (isinstance(body, Link | RigidBody) and body.mass and body.inertia) or name in too_long:
             continue
         size, (low, high) = _extent(body), GYRATION_BETWEEN_JOINTS
         turns = any({end.partition(".")[0] for end in pair} == {name, "ground"} for pair in pairs)
