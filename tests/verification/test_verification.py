@@ -76,7 +76,10 @@ def test_tolerances_are_tight() -> None:
 @pytest.mark.verify
 def test_tolerances_of_the_long_cases_are_tight() -> None:
     for case in (one for one in CASES.values() if not one.quick):
-        assert all(row.tolerance <= (1e-3 if case.family == "equilibria" else 1e-2) for row in case.check())
+        for row in case.check():
+            # The tolerance of a counted share is the part that may lie outside: at most one in twenty.
+            limit = 0.05 if row.counts else 1e-3 if case.family == "equilibria" else 1e-2
+            assert row.tolerance <= limit + 1e-12, (case.family, row)
 
 
 def test_a_number_that_is_none_fails() -> None:
