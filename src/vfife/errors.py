@@ -125,7 +125,7 @@ class Fault(VfifeError):
         limit = f"; allowed: {self.limit}" if self.limit else ""
         remedy = f". {self.remedy[0].upper()}{self.remedy[1:]}" if self.remedy else ""
         end = "" if f"{self.what}{limit}{remedy}".endswith(("?", ".", "!")) else "."
-        begin = f"{self.where}{entry_number(self.where)}{value}: " if self.where or value else ""
+        begin = f"{self.where}{value}{entry_number(self.where)}: " if self.where or value else ""
         return printable(f"{begin}{self.what}{limit}{remedy}{end}")
 
 

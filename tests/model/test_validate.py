@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import vfife
-from vfife.errors import LawError, ModelError
+from vfife.errors import Fault, LawError, ModelError
 from vfife.laws import Ambrosio, ContactLaw, Coulomb, FrictionLaw, LankaraniNikravesh, Material, Pereira
 from vfife.model.bodies import Frame, Link, Member, RigidBody, Section
 from vfife.model.drivers import AngleTable, ConstantSpeed, Harmonic, Torque
@@ -330,3 +330,19 @@ def test_a_main_bearing_with_clearance_is_offered_a_torque() -> None:
     assert any("Make A ideal" in fault and words in fault for fault in told(m)), told(m)
     m.joints["A"] = dataclasses.replace(m.joints["A"], bearing="rod.end")
     assert not any(words in fault for fault in told(m))
+
+
+@pytest.mark.parametrize(
+    ("place", "words"),
+    [
+        (("vary", "speed", "values", 3), '[vary.speed] values[3] = "1450 U/min" (entry 4): not a speed.'),
+        (
+            ("load", "f", "travels", 0, 1),
+            '[load.f] travels[0][1] = "1450 U/min" (entry 1, in it 2): not a speed.',
+        ),
+        (("driver", "d", "speed"), '[driver.d] speed = "1450 U/min": not a speed.'),
+    ],
+)
+def test_a_fault_counts_the_entries_of_a_list_from_one(place: tuple, words: str) -> None:
+    fault = Fault(place, "not a speed", '"1450 U/min"')
+    assert str(fault) == words and "entry" not in fault.where

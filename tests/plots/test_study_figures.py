@@ -16,10 +16,12 @@ from matplotlib.collections import LineCollection, QuadMesh
 import vfife
 from studies.studies import ASKED, Closed
 from vfife.errors import VfifeError
+from vfife.modelfile import dump
 from vfife.numerics.pareto import front
 from vfife.plots.study import quantiles
-from vfife.plots.study_axes import broken_name, edges, even_indices, is_logarithmic
+from vfife.plots.study_axes import broken_name, edges, even_indices, is_logarithmic, unit_of_axis
 from vfife.plots.style import readable
+from vfife.results.parameters import Varied
 from vfife.studies.engine import study_engine
 
 GRID = ASKED.replace("count = 2", "count = 4")
@@ -73,6 +75,20 @@ def test_curves_name_how_many_values_they_show(monkeypatch: pytest.MonkeyPatch) 
         texts = [one.get_text() for one in (*figure.texts, figure.axes[0].title, figure.axes[0].xaxis.label)]
         assert any("6 of 10 values of play" in text for text in texts), texts
         assert label in texts and np.isclose(figure.axes[0].lines[0].get_xdata()[0], place)
+
+
+def test_an_axis_of_clearances_of_a_pin_says_radial_and_one_of_a_guide_does_not(monkeypatch) -> None:
+    monkeypatch.setattr(study_engine, "run_cases", Closed())
+    vary = {"play": {"path": "joint.C.clearance", "values": ["0.1 mm", "0.2 mm", "0.3 mm"]}}
+    found = vfife.study(vfife.gallery.four_bar_case_b(), vary, ["C.force.max"], turns=2)
+    assert found.plot("curves")["curves"].axes[0].get_xlabel() == "play (mm, radial)"
+    study: Any = SimpleNamespace(request={"text": dump(vfife.gallery.compressor())})
+    for path, unit in (
+        ("joint.big-end.clearance", "um, radial"),
+        ("joint.cylinder.clearance", "um"),
+        ("body.rod.length", "um"),
+    ):
+        assert unit_of_axis(study, Varied("play", (path,), "m", "values"), "um") == unit
 
 
 def test_bands_are_quantiles_of_the_samples(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -183,10 +183,10 @@ class Counter:
         rate = (done - self.first) / seconds
         left = f"{span((total - done) / rate)} left" if done < total and rate else f"in {span(seconds)}"
         bad = f"  {self.failed:,} failed" if self.failed else ""
-        if more := total > self.forecast:
+        if surplus := total > self.forecast:
             left = f"more than the {self.forecast:,} of the forecast"
         text = f"{done:,} of {total:,} {self.noun}  {rate:.3g} {self.noun}/s  {left}{bad}"
-        return Progress(done, total, seconds, text, more)
+        return Progress(done, total, seconds, text, surplus)
 
 
 def sentence(progress: Progress, share: float | None = None) -> str:

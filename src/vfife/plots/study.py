@@ -40,6 +40,7 @@ from .study_axes import (
     readable_parameter,
     sensitive_words,
     turns_of_measure,
+    unit_of_axis,
 )
 from .study_maps import heat_maps
 from .style import (
@@ -115,7 +116,7 @@ def curve_panel(ax: Axes, study: Study, name: str, parameters: list[Varied]) -> 
             bars = arranged(study, study.error_bars(name), parameters).reshape(values.shape)[:, k, 0]
             ends = error_ends(name, middle, factor * bars)
             ax.errorbar(x, middle, ends, fmt="none", ecolor=look, elinewidth=0.8)
-    label_axis(ax, first, study.axes[first.name], x, x_unit)
+    label_axis(ax, first, study.axes[first.name], x, unit_of_axis(study, first, x_unit))
     label_counts(ax, values)
     ax.set_title(f"{name_with_unit(name, unit)}\n{turns_of_measure(study, name)}{hollow}")
 

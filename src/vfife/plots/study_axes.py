@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Sequence
 from typing import Any
 
@@ -34,6 +35,17 @@ def broken_name(name: str, width: int = 15) -> str:
 def name_with_unit(name: str, unit: str) -> str:
     """Return a name with its unit."""
     return f"{name} ({unit})" if unit else name
+
+
+def unit_of_axis(study: Study, parameter: Varied, unit: str) -> str:
+    """Return the unit of an axis, with "radial" for clearances of pins: shops count those in the diameter."""
+    joints = tomllib.loads(study.request.get("text", "")).get("joint", {})
+    paths = [path.split(".") for path in parameter.paths]
+    radial = all(
+        len(parts) == 3 and parts[2] == "clearance" and "bearing_radius" in joints.get(parts[1], {})
+        for parts in paths
+    )
+    return f"{unit}, radial" if radial and unit else unit
 
 
 def positions(values: Sequence[Any], parameter: Varied) -> tuple[Array, str]:

@@ -31,6 +31,7 @@ from .study_axes import (
     positions,
     sensitive_words,
     turns_of_measure,
+    unit_of_axis,
 )
 from .style import FAINT, INK, Array, digits, heading, readable
 
@@ -99,8 +100,8 @@ def map_panel(figure: Figure, ax: Axes, study: Study, name: str, across: Varied,
     drawn = ax.pcolormesh(
         edges(x), edges(y), np.ma.masked_invalid(factor * values), cmap="viridis", rasterized=True
     )
-    label_axis(ax, across, study.axes[across.name], x, x_unit)
-    label_axis(ax, up, study.axes[up.name], y, y_unit, "y")
+    label_axis(ax, across, study.axes[across.name], x, unit_of_axis(study, across, x_unit))
+    label_axis(ax, up, study.axes[up.name], y, unit_of_axis(study, up, y_unit), "y")
     ax.grid(visible=False)
     rows, columns = np.nonzero(no_impact(name, values))
     ax.plot(x[columns], y[rows], color=INK, **EMPTY)

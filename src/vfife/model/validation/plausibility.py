@@ -14,12 +14,16 @@ from ...numerics.scalar import cos, distance, hypot, sin
 from ...units import in_rpm
 from ..bodies import Frame, Link, PointMass, RigidBody
 from .checks import neighbours_of, reached
-from .lengths import links_in_metres, suspect_lengths, suspect_spring_lengths
 
 if TYPE_CHECKING:
     from ..loads import Load
     from ..mechanism import Mechanism
 
+# A length this many times the median of the others is cautioned about; millimetres taken for metres: 1000.
+OUT_OF_SCALE = 100.0
+HUGE = 50.0  # m, longer than the links of machines
+LONG = 5.0  # m, longer than the links of most machines
+SLENDER = 300.0  # times a bearing's radius or the height of a block: links of machines are below 50
 # Ratios of radius of gyration and size between which nothing is cautioned about: of bodies between moving
 # joints, whose size is the largest distance of two points (a uniform rod has 0.29, a mass at each end 0.5),
 # and of others, among them cranks with flywheels.
@@ -47,8 +51,8 @@ def suspects(mechanism: Mechanism) -> tuple[str, ...]:
 def suspect_sizes(mechanism: Mechanism) -> tuple[str, ...]:
     """Return cautions about numbers."""
     return (
-        *suspect_lengths(mechanism),
-        *suspect_spring_lengths(mechanism),
+        *_lengths(mechanism),
+        *_spring_lengths(mechanism),
         *_inertias(mechanism),
         *_angles(mechanism),
         *suspect_surfaces(mechanism),
@@ -150,9 +154,9 @@ def _pressure_bounds(load: Load) -> tuple[float, float]:
     """Return the lowest and highest pressure (Pa) of both strokes of a load, before the ambient one is
     subtracted.
     """
-    given = [getattr(load, key, None) for key in ("pressure", "pressure_back")]
+    tables = [getattr(load, key, None) for key in ("pressure", "pressure_back")]
     values = [
-        value for entry in given if entry is not None
+        value for entry in tables if entry is not None
         for value in (entry if isinstance(entry, tuple) else (entry,))
     ]  # fmt: skip
     if values:
@@ -195,11 +199,98 @@ def _masses(mechanism: Mechanism) -> Iterator[str]:
             )
 
 
+def _sizes(mechanism: Mechanism) -> dict[str, float]:
+    """Return the lengths (m) of links, joints and places of the ground, by path."""
+    sizes = {
+        f"body.{name}.length": body.length
+        for name, body in mechanism.bodies.items()
+        if isinstance(body, Link)
+    }
+    sizes |= {
+        f"joint.{name}.length": length
+        for name, joint in mechanism.joints.items()
+        if (length := getattr(joint, "length", None))
+    }
+    for name, (x, y) in mechanism.points.items():
+        sizes |= {f"ground.{name}": hypot(x, y)} if x or y else {}
+    return sizes
+
+
+def _spring_lengths(mechanism: Mechanism) -> Iterator[str]:
+    """Caution about free lengths of springs a hundred times the other lengths, or longer than any machine; a
+    short one, or none, is usual.
+    """
+    sizes = list(_sizes(mechanism).values())
+    for body in mechanism.bodies.values():
+        pins = body.pins.values() if isinstance(body, RigidBody) else ()
+        sizes += [size for pin in pins if (size := hypot(*pin))]
+    usual = median(sizes) if sizes else 0.0
+    for name, spring in mechanism.springs.items():
+        length = getattr(spring, "free_length", None) or 0.0
+        if length > (OUT_OF_SCALE * usual or HUGE):
+            ratio = f", {length / usual:,.0f} times the other lengths" if usual else ""
+            yield (
+                f"spring.{name}.free_length is {length:.6g} m{ratio}: is it {length:.6g} mm? Numbers without"
+                " a unit are metres."
+            )
+
+
+def _lengths(mechanism: Mechanism) -> Iterator[str]:
+    """Caution about lengths a hundred times larger or smaller than the others, or larger than any machine."""
+    sizes = _sizes(mechanism)
+    if _links_in_metres(mechanism):
+        yield _in_metres({path: size for path, size in sizes.items() if size > LONG})
+        return
+    cautioned, lengths = False, sizes.values()
+    # Medians take long: none is needed if no two lengths are so far apart.
+    disparity = len(sizes) > 2 and not min(lengths) / max(lengths) >= 1.0 / OUT_OF_SCALE
+    for path, size in sizes.items() if disparity else ():
+        ratio = size / median(value for key, value in sizes.items() if key != path)
+        if ratio > OUT_OF_SCALE:
+            cautioned = True
+            yield (
+                f"{path} is {size:.6g} m, {ratio:,.0f} times the others: is it {size:.6g} mm? Numbers"
+                " without a unit are metres."
+            )
+        elif ratio < 1.0 / OUT_OF_SCALE:
+            cautioned = True
+            yield (
+                f"{path} is {1e3 * size:.4g} mm, {1.0 / ratio:,.0f} times smaller than the others: check its"
+                " unit."
+            )
+    largest = max(sizes, key=lambda key: sizes[key], default="")
+    if largest and not cautioned and sizes[largest] > HUGE and mechanism.settings.analysis != "static":
+        yield (
+            f"{largest} is {sizes[largest]:.6g} m long. Numbers without a unit are metres: is this meant, and"
+            " not mm?"
+        )
+
+
+def _links_in_metres(mechanism: Mechanism) -> dict[str, float]:
+    """Return the lengths (m) of links that are probably in mm, by body: all links are longer than most
+    machines, and they are whole numbers of metres or out of proportion to a bearing.
+    """
+    links = {name: body.length for name, body in mechanism.bodies.items() if isinstance(body, Link)}
+    if not links or min(links.values()) <= LONG or mechanism.settings.analysis == "static":
+        return {}
+    radii = [getattr(joint, joint.extent[0], None) or 0.0 for joint in mechanism.contacts.values()]
+    slender = any(0.0 < SLENDER * radius < min(links.values()) for radius in radii)
+    return links if slender or all(length == round(length) for length in links.values()) else {}
+
+
+def _in_metres(lengths: Mapping[str, float]) -> str:
+    """Return a caution about ``lengths`` (m), by path, that are probably in mm."""
+    sizes = ", ".join(f"{path} is {length:.6g} m" for path, length in lengths.items())
+    millimetres = ", ".join(f"{length:.6g} mm" for length in lengths.values())
+    verb = "is it" if len(lengths) == 1 else "are they"
+    return f"{sizes}: {verb} {millimetres}? Numbers without a unit are metres."
+
+
 def _inertias(mechanism: Mechanism) -> Iterator[str]:
     """Caution about radii of gyration, (I/m)^(1/2), that contradict the size of the body: kg mm^2 for kg m^2
     is a factor of a thousand, pounds for kilograms one of two.
     """
-    pairs, too_long = connections(mechanism), links_in_metres(mechanism)
+    pairs, too_long = connections(mechanism), _links_in_metres(mechanism)
     for name, body in mechanism.bodies.items():
         if not (isinstance(body, Link | RigidBody) and body.mass and body.inertia) or name in too_long:
             continue
