@@ -90,7 +90,7 @@ def test_quantities_carry_units() -> None:
     ("given", "words"),
     [
         ({"step": -1e-6}, "step = -1e-06: this is negative"),
-        ({"step": [1e-6, "x"]}, 'step[1] = "x": this is a text that does not begin'),
+        ({"step": [1e-6, "x"]}, 'step[1] = "x" (entry 2): this is a text that does not begin'),
         ({"step": [1e-6]}, "1 values for 2 mechanisms"),
         ({"step": None}, "no step is given"),
         ({"turns": 2.5}, "turns = 2.5: this is a number"),
