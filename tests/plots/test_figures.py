@@ -18,11 +18,13 @@ from drawn_texts import faults
 from vfife import gallery
 from vfife.errors import VfifeError
 from vfife.measures.spectral import short_time
+from vfife.measures.values import Measured
 from vfife.plots import chosen, figures, style
 from vfife.plots.catalogue import FIGURES, available, usual
 from vfife.plots.curves import Quantity, accelerations, joint_forces, moments, reach_of
 from vfife.plots.motion import bearing_force, relative_to_bearing, tilt_and_offset
 from vfife.plots.spectra import pieces, spectra_of
+from vfife.plots.style import peak_digits
 from vfife.plots.turn import output_at, over_turn, shown_span
 from vfife.simulation.result import Result
 from vfife.store.folder import FIGURE_NAMES
@@ -523,3 +525,10 @@ def test_the_seventh_body_is_striped() -> None:
         m.revolute(f"j{k}", "ground.O" if k == 0 else f"l{k - 1}.end", f"l{k}.start")
     lines = [(line.get_color(), line.get_linewidth()) for line in m.plot().axes[0].lines]
     assert lines.count(("white", 1.4)) == 2
+
+
+def test_a_figure_states_a_peak_as_certainly_as_the_answer() -> None:
+    """A range of two digits, rounded outwards, where the peak is not certain; four digits where it is."""
+    assert peak_digits(Measured(621.3, 98.2, 811.0), 1e-3) == "0.098 to 0.82"
+    assert peak_digits(Measured(621.3, 621.0, 621.9), 1.0) == "621.3"
+    assert peak_digits(Measured(621.3), 1.0) == peak_digits(621.3, 1.0) == "621.3"

@@ -4,19 +4,23 @@ vectors only where there is something to see.
 
 import re
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import vfife
 from vfife import gallery
+from vfife.assembly.assemble import assemble
 from vfife.model.joints import Gear
 from vfife.plots import figures, motion
 from vfife.plots.catalogue import available
 from vfife.plots.drawing import clearest_output, drawing, least_visible, outlines_of
-from vfife.plots.pose import clear_pose
+from vfife.plots.pose import _poses_of_a_turn, clear_pose
+from vfife.results.run_data import standing
 from vfife.simulation.result import Result
 
+COMPRESSOR = Path(__file__).parents[2] / "examples" / "compressor.toml"
 SIX = ["compressor", "scissor_lift", "six_bar_press", "jansen_leg", "gear_train", "quick_return"]
 
 
@@ -38,9 +42,10 @@ def test_a_crank_at_its_dead_centre_is_drawn_elsewhere() -> None:
     assert clearest_output(press, outlines_of(press)) == 0
 
 
-def test_a_mechanism_that_starts_at_a_dead_centre_is_drawn_elsewhere_before_any_run() -> None:
+@pytest.mark.parametrize("speed", ["1450 rpm", "-1450 rpm"])
+def test_a_mechanism_that_starts_at_a_dead_centre_is_drawn_elsewhere_before_any_run(speed: str) -> None:
     """The slider-crank formula places the piston: s = r cos a + sqrt(l² - r² sin² a) from the shaft."""
-    compressor = gallery.compressor()
+    compressor = vfife.load(COMPRESSOR, {"driver.crank.speed": speed})
     view, words = clear_pose(compressor)
     assert least_visible(outlines_of(view), 0) > 0.6 and "the start at 180° hides a body" in words
     assert words in compressor.plot().get_suptitle()
@@ -48,11 +53,25 @@ def test_a_mechanism_that_starts_at_a_dead_centre_is_drawn_elsewhere_before_any_
     names = list(view.record.assembly.bodies)
     crank, rod = outlines_of(view)["crank"].path[0], outlines_of(view)["rod"].path[0]
     radius, length = (np.linalg.norm(np.diff(path[[0, -1]], axis=0)) for path in (crank, rod))
+    assert crank[-1] == pytest.approx(rod[0], abs=1e-9)
     piston = view.channels["body_x"].values[0, names.index("piston")]
     expected = radius * np.cos(angle) + np.sqrt(length**2 - (radius * np.sin(angle)) ** 2)
     assert piston == pytest.approx(expected, abs=1e-9)
     press = gallery.six_bar_press()
     assert clear_pose(press)[1] == "at the start" and "at the start" in press.plot().get_suptitle()
+
+
+def test_poses_of_a_turn_are_of_the_branch_of_the_start() -> None:
+    """The four-bar is solved as its mirror image: from pose to pose no body turns by more than 60 degrees."""
+    four_bar = gallery.four_bar()
+    start = standing(assemble(four_bar))
+    poses = [start, *_poses_of_a_turn(four_bar), start]
+    angles = np.array([view.channels["body_angle"].values[0] for view in poses])
+    changes = np.degrees((np.diff(angles, axis=0) + np.pi) % (2.0 * np.pi) - np.pi)
+    assert len(poses) == 13 and np.abs(changes[:, list(start.record.assembly.bodies).index("crank")]) == (
+        pytest.approx(30.0)
+    )
+    assert np.abs(changes).max() < 60.0
 
 
 @pytest.mark.system("draws six mechanisms")

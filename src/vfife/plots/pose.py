@@ -2,28 +2,28 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ..assembly.assemble import assemble
+from ..assembly.possible import outlook
 from ..errors import VfifeError
-from ..kinematics.initial import ideal_motion
 from ..kinematics.start import StartState
-from ..model.functions import turn_of
 from ..model.mechanism import Mechanism
 from ..results.run_data import RunData, standing
 from .drawing import least_visible, outlines_of, shows_every_body
 
-PARTS = 36  # of a turn: larger ones can jump to another branch of the ideal motion
-SHOWN = 3  # every third part is a pose to choose from
+SHOWN = 3  # every third position of the turn that a check follows is a pose to choose from: each 30 degrees
 
 
 def clear_pose(mechanism: Mechanism) -> tuple[RunData, str]:
     """Return the view of a mechanism in a pose that shows every body, and the words for this pose.
 
-    It is the start if no body hides most of another there, as the rod hides the crank at a dead centre;
-    otherwise the pose of the first turn of the ideal motion in which the body that is seen least is seen
-    best. Raises AssemblyError.
+    It is the start if no body hides most of another there, as the rod hides the crank at a dead centre, or if
+    no turn of the crank is known; otherwise the pose of that turn in which the body that is seen least is
+    seen best. Raises AssemblyError.
     """
     start = standing(assemble(mechanism))
-    if shows_every_body(start) or turn_of(mechanism) is None:
+    if shows_every_body(start):
         return start, "at the start"
     best = max((*_poses_of_a_turn(mechanism), start), key=lambda view: least_visible(outlines_of(view), 0))
     angles, start_angles = best.crank_angle, start.crank_angle
@@ -34,16 +34,15 @@ def clear_pose(mechanism: Mechanism) -> tuple[RunData, str]:
 
 
 def _poses_of_a_turn(mechanism: Mechanism) -> list[RunData]:
-    """Return poses of the ideal motion over the first turn, as far as it can be followed."""
-    turn = turn_of(mechanism) or 0.0
-    views, position = [], None
-    for part in range(1, PARTS):
-        try:
-            motion = ideal_motion(mechanism, turn * part / PARTS, position)
-            position = motion.position
-            if part % SHOWN == 0:
-                state = StartState(position, motion.velocity, frozenset(mechanism.bodies))
-                views.append(standing(assemble(mechanism, start_state=state)))
-        except VfifeError:  # a mechanism that locks within its turn has the poses before
-            break
-    return views
+    """Return poses of a turn of the ideal mechanism; none where no turn is known."""
+    try:
+        ideal = outlook(mechanism)
+    except VfifeError:  # it jams: the start can still be drawn
+        return []
+    if ideal.turn is None or ideal.motion is None:
+        return []
+    # A turn is solved for the mirror image where the mechanism has the other hand.
+    positions = ideal.turn.positions * np.array([1.0, ideal.motion.hand, ideal.motion.hand])
+    bodies = frozenset(mechanism.bodies)
+    states = [StartState(position, np.zeros_like(position), bodies) for position in positions[SHOWN:-1:SHOWN]]
+    return [standing(assemble(mechanism, start_state=state)) for state in states]
