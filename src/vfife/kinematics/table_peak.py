@@ -82,7 +82,7 @@ def table_peak(mechanism: Mechanism, motion: Motion, turn: FullTurn, load: Load)
     lag = _wrapped(place - centres[nearest]) * turn.direction * motion.hand
     at = math.degrees(centres[nearest]) % 360.0
     at = 0.0 if 360.0 - at < 0.5 * RESOLUTION else round(at / RESOLUTION) * RESOLUTION
-    value = high + load.counterpressure
+    value = high + load.ambient_pressure
     return TablePeak(value, math.degrees(place), (TOP, BOTTOM)[nearest], at, math.degrees(lag))
 
 

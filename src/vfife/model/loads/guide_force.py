@@ -131,11 +131,6 @@ class GuideForce(Load):
         return f"{quantity_name} {'up to ' if self.axis else ''}{largest:.6g} N along the guide{self.by}"
 
     @property
-    def counterpressure(self) -> float:
-        """Pressure (Pa) on the other side of the piston; 0 of a force."""
-        return self.ambient if self.pressed else 0.0
-
-    @property
     def measured(self) -> tuple[str, str]:
         """Unit and meaning of its function."""
         return (

@@ -123,11 +123,6 @@ class Load(Kind):
         return self.slider
 
     @property
-    def counterpressure(self) -> float:
-        """Pressure (Pa) on the other side of a piston, which values are above; 0 of other loads."""
-        return 0.0
-
-    @property
     def measured(self) -> tuple[str, str]:
         """Unit and meaning of its function."""
         return "1", "what multiplies the load"
