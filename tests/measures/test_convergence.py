@@ -126,3 +126,5 @@ def test_quantiles_of_student_need_no_library() -> None:
 
     for freedom in (3.0, 4.5, 10.0, 39.0, 1e4):
         assert student_quantile(freedom) == pytest.approx(t.ppf(0.975, freedom), rel=0.01)
+    for freedom in (1.0, 1.5, 2.0, 2.9):
+        assert student_quantile(freedom) == pytest.approx(t.ppf(0.975, int(freedom)), rel=1e-5)

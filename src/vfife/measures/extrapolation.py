@@ -34,8 +34,9 @@ SCATTER_OF_TRIES = 0.25
 SCATTER_OF_MEANS, LANES_OF_MEANS = 1.0, 4
 # Largest correlation of successive turns that a few turns can show.
 LARGEST_CORRELATION = 0.9
-# 97.5 % of normal values are below it.
+# 97.5 % of normal values are below it, and of Student's t with one and two degrees of freedom below these.
 NORMAL_QUANTILE = 1.959964
+QUANTILES_OF_FEW = {1: 12.7062, 2: 4.30265}
 # Share of a value that its error is not told below: extremes are taken at whole steps, and four values may
 # agree by chance.
 LEAST_ERROR = 1e-4
@@ -133,11 +134,14 @@ def error_of_mean(lanes: Sequence[Sequence[float]]) -> float:
 
 
 def student_quantile(freedom: float) -> float:
-    """Return the value below which 97.5 % of Student's t lie, within 1 % from three degrees of freedom on.
+    """Return the value below which 97.5 % of Student's t lie, within 1 % from three degrees of freedom on;
+    below three that of the next smaller whole number of them, which is larger.
 
     Expansion by the reciprocal of the ``freedom`` (Abramowitz and Stegun: Handbook of Mathematical Functions,
-    26.7.5), which needs no function of a library.
+    26.7.5), which needs no function of a library. It does not converge below three.
     """
+    if freedom < 3.0:
+        return QUANTILES_OF_FEW[max(int(freedom), 1)]
     z, v = NORMAL_QUANTILE, freedom
     square = z * z
     first = z * (square + 1.0) / 4.0
