@@ -75,11 +75,16 @@ def test_tolerances_are_tight() -> None:
 
 @pytest.mark.verify
 def test_tolerances_of_the_long_cases_are_tight() -> None:
-    for case in (one for one in CASES.values() if not one.quick):
+    """Two shares of scattered values claim less than 99 %: 97 % of sensitive runs, 95 % of chaotic means."""
+    scattered = {
+        "share of the measures inside their range": 0.03,
+        "share of the means of two chaotic motions inside their range": 0.05,
+    }
+    for name, case in ((name, case) for name, case in CASES.items() if not case.quick):
+        exempt = scattered if name == "ranges-of-sensitive-runs" else {}
+        limit = 1e-3 if case.family == "equilibria" else 1e-2
         for row in case.check():
-            # The tolerance of a counted share is the part that may lie outside: at most one in twenty.
-            limit = 0.05 if row.counts else 1e-3 if case.family == "equilibria" else 1e-2
-            assert row.tolerance <= limit + 1e-12, (case.family, row)
+            assert row.tolerance <= exempt.get(row.quantity, limit) + 1e-12, (name, row)
 
 
 def test_a_number_that_is_none_fails() -> None:
