@@ -243,8 +243,8 @@ def faults_of_energy(law: Any, pair: Pair, p: tuple[float, ...]) -> list[str]:
     try:
         with limited(SECONDS):
             energy = float(law.elastic_energy(depth, p)) - float(law.elastic_energy(0.0, p))
-            places = [depth * k / INTERVALS for k in range(INTERVALS + 1)]
-            forces = [float(law.force(place, 0.0, p)[0]) for place in places]
+            depths = [depth * k / INTERVALS for k in range(INTERVALS + 1)]
+            forces = [float(law.force(penetration, 0.0, p)[0]) for penetration in depths]
     except Endless:
         return [f"{origin}: elastic_energy() {ENDLESS}"]
     except Exception:  # an elastic energy is optional
