@@ -17,7 +17,7 @@ from rich.console import Console
 
 import vfife
 from vfife.cli.commands.result import contents
-from vfife.measures.settling import Points, alternation
+from vfife.measures.trend import Points, alternation
 from vfife.report.digits import plain_number, range_text, turns_text
 from vfife.report.document import Facts
 from vfife.report.run_file import info

@@ -14,7 +14,7 @@ from support import four_bar
 from vfife.assembly.assemble import assemble
 from vfife.measures.chaos import period, verdict
 from vfife.measures.repetition import FEWEST_TURNS, MANY_TURNS, PEAK_STREAK, Turns, classify
-from vfife.measures.settling import Points, settling
+from vfife.measures.trend import Points, settles
 from vfife.solvers.companions import TurnRows
 from vfife.solvers.record import recorded_rows
 from vfife.solvers.repeating import (
@@ -109,10 +109,8 @@ def test_a_transient_of_known_rate_ends_where_it_must(rate: float, tolerance: fl
 
 
 def test_a_slow_decay_is_settling_and_chaos_is_not() -> None:
-    assert settling(0.95 ** np.arange(30)) and not settling(np.abs(np.diff(logistic(3.9, 30))))
-    assert (
-        not settling(np.full(20, 0.3)) and not settling([0.1, 0.05]) and not settling(0.99 ** np.arange(20))
-    )
+    assert settles(0.95 ** np.arange(30)) and not settles(np.abs(np.diff(logistic(3.9, 30))))
+    assert not settles(np.full(20, 0.3)) and not settles([0.1, 0.05]) and not settles(0.99 ** np.arange(20))
 
 
 def test_a_run_of_few_turns_is_told_by_its_last_period() -> None:

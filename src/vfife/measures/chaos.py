@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..numerics.elementwise import atan2, hypot, sincos
-from .settling import TREND, Points, alternation
+from .trend import TREND, Points, alternation
 
 Array = NDArray[np.float64]
 
@@ -378,7 +378,7 @@ def verdict(
     Points that repeat within ``tolerance`` of their range, three times, have a period, unless a small
     difference grows more than e-fold in each half of the turns: then nothing is decided. Points that
     alternate about a shorter period and approach it, as the turns of a run do
-    (:func:`~vfife.measures.settling.alternation`), are not settled. Without a period, a
+    (:func:`~vfife.measures.trend.alternation`), are not settled. Without a period, a
     motion is chaotic if a difference grows so (for fewer than 100 points, about as fast in both halves), and
     not settled if it decays as fast or the halves disagree. In between the 0-1 test decides, or for fewer
     than 100 points whether they lie on a closed curve.

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from ..solvers.record import Record, columns_of
 from ..solvers.repeating import LONGEST, SETTLED, Comparison, TurnGrid, repeated_since, turn_grid
 from .chaos import scattered_period
-from .settling import TREND, Points, alternation, settles_late, settling
+from .trend import TREND, Points, alternation, settles, settles_late
 
 Array = NDArray[np.float64]
 Motion = Literal["periodic", "settling", "unsettled", "not periodic"]
@@ -236,7 +236,7 @@ def _classify(
     # Of a motion that is not periodic the second half of the turns counts, without the transient before it.
     distances = nearest(turns, comparison)
     motion: Motion = "unsettled" if count < MANY_TURNS else "not periodic"
-    if settling(distances) or settles_late(distances):
+    if settles(distances) or settles_late(distances):
         motion = "settling"
     first = count - min(count // 2, MOST_TURNS) + 1 if motion == "not periodic" else count
     return Turns(count, motion, None, None, distances[-1] if distances else math.nan, tolerance, first, count)

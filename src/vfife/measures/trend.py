@@ -1,4 +1,4 @@
-"""Settling of a motion by its turns: the trend of their distances, and turns that alternate.
+"""Trend of the turns of a motion that settles: their distances fall, steadily or alternating in sign.
 
 Points are the numbers of one turn each: a section of the motion, or the largest values of a run's turn with
 the state at its end. Runs and maps have the same criteria.
@@ -52,7 +52,7 @@ def alternation(points: Points, period: int) -> tuple[float, float] | None:
         distances = (np.abs(points.values[part:] - points.values[:-part]) / sizes).max(axis=1)
         distances = distances[-max(FEWEST_ALTERNATIONS, len(distances) // 2) :]
         count = len(distances)
-        if count < FEWEST_ALTERNATIONS or not settling(distances.tolist()):
+        if count < FEWEST_ALTERNATIONS or not settles(distances.tolist()):
             continue
         fall, late = (log(distances[-1] / distances[k]) / (count - 1 - k) for k in (0, count // 2))
         if late < STEADY_DECAY * fall:
@@ -65,10 +65,10 @@ def settles_late(distances: Sequence[float]) -> bool:
     which turns had nothing in common.
     """
     late = distances[-(len(distances) // 2) - 1 :]
-    return len(late) > FEWEST_LATE and settling(late, LATE_FALL)
+    return len(late) > FEWEST_LATE and settles(late, LATE_FALL)
 
 
-def settling(distances: Sequence[float], fallen: float = FALLEN) -> bool:
+def settles(distances: Sequence[float], fallen: float = FALLEN) -> bool:
     """Return whether distances fall steadily, by a least-squares line through their logarithms, and at least
     by the factor ``fallen``.
     """
