@@ -66,3 +66,13 @@ def test_headings_of_a_table_do_not_touch() -> None:
         for other in boxes:
             if one is not other and abs(one.y0 - other.y0) < 1.0 and one.x0 <= other.x0:
                 assert other.x0 - one.x1 > 0.5 * pdf.CELL * paper.page.dpi
+
+
+def test_cautions_have_the_numbers_to_which_the_conclusion_refers(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lines: list[str] = []
+    monkeypatch.setattr(pdf.Paper, "text", lambda paper, words, *sizes, **look: lines.append(words))
+    bullets = [parts.Bullets(["first", "second"], ordered=True), parts.Bullets(["third"])]
+    pdf.write_pdf(tmp_path / "r.pdf", Document((parts.Section("Cautions", bullets),), "title"), (), {})
+    assert lines[-3:] == ["1. first", "2. second", "• third"]

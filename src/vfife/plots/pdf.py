@@ -295,8 +295,8 @@ def _part(paper: Paper, part: parts.Part, figures: Mapping[str, Figure], first: 
         case parts.Caution():
             paper.text(f"{part.word}: {part.text}", TEXT)
         case parts.Bullets():
-            for text in part.texts:
-                paper.text(f"• {text}", TEXT)
+            for line in part.lines("•"):
+                paper.text(line, TEXT)
         case parts.Figure():
             if part.title in figures:  # that of the first page
                 scale = figure_scale(figures[part.title], paper.tallest, 1.0)

@@ -22,8 +22,7 @@ from numpy.typing import NDArray
 
 from ..files import replacement
 from ..measures.values import Measured
-from ..numerics.outward import DOWN, UP, significant
-from ..report.digits import CERTAIN
+from ..report.digits import CERTAIN, interval
 
 Array = NDArray[np.float64]
 BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#56B4E9", "#CC79A7"
@@ -180,11 +179,11 @@ def digits(value: float) -> str:
 
 
 def peak_digits(peak: float, factor: float) -> str:
-    """Return a peak, or its range where two digits of it are not certain, as answers and tables do."""
+    """Return a peak, or its range where two digits of it are not certain, with the digits of the answer."""
     if not (isinstance(peak, Measured) and peak.estimated and peak.width > CERTAIN * abs(peak)):
         return digits(factor * peak)
-    ends = ((peak.low, DOWN), (peak.high, UP))
-    return " to ".join(digits(float(significant(factor * end, 2, way))) for end, way in ends)
+    low, high, width = (factor * size for size in (peak.low, peak.high, peak.width))
+    return interval(low, high, "", width, prefix=False).strip()
 
 
 def curve_look(k: int) -> dict[str, Any]:

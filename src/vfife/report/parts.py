@@ -69,6 +69,10 @@ class Bullets:
     texts: Sequence[str]
     ordered: bool = False
 
+    def lines(self, sign: str) -> list[str]:
+        """Return the sentences behind their numbers or, if they are not ordered, behind a ``sign``."""
+        return [f"{f'{k}.' if self.ordered else sign} {text}" for k, text in enumerate(self.texts, 1)]
+
 
 @dataclass(frozen=True)
 class Element:

@@ -71,8 +71,8 @@ def _part(part: Part, console: Console, errors: Callable[[], Console]) -> None:
             for inner in part.parts:
                 _part(inner, console, errors)
         case Bullets():
-            for number, text in enumerate(part.texts, 1):
-                console.print(Text(f"{f'{number}.' if part.ordered else '-'} {text}"))
+            for line in part.lines("-"):
+                console.print(Text(line))
         case Element() | Figure() | Preformatted():
             pass
 
