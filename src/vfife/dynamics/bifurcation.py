@@ -381,9 +381,8 @@ def end_neighbours(spec: SweepSpec, chain: int) -> Neighbours:
     the inside of the range, so that both can be assembled.
     """
     low, high = spec.values[0], spec.values[-1]
-    span = NEIGHBOUR_SHARE * (
-        high - low or abs(low) or 1.0
-    )  # of a single value, which has no range, its size
+    # A single value has no range; its size takes the place.
+    span = NEIGHBOUR_SHARE * (high - low or abs(low) or 1.0)
     inner = low + span if chain == 0 else high - 2.0 * span
     up, down = (
         with_steps(loads(spec.model, set=[(spec.path, value)]), spec.steps) for value in (inner + span, inner)
