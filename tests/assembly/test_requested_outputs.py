@@ -84,6 +84,8 @@ def test_a_run_that_is_longer_than_requested_says_so(length: dict[str, float], w
     (note,) = assemble(crank(), 1.3e-5, **length).notes
     assert re.search(words, note) and "means over the run" in note
     assert not assemble(crank(), 1.25e-5, **length).notes
+    automatic = assemble(crank(), None, **length)
+    assert not assemble(crank(), automatic.choice.step / 4, force_step=True, **length).notes
 
 
 def test_a_step_just_too_large_is_told_from_the_limit() -> None:

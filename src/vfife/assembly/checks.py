@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 FULL_TURN = 6.283185307179586  # rad
-LONGER = 1e-6  # of its length, by which a run has to be longer than requested to be said so
+LONGER = 1e-4  # of its length, by which a run has to be longer than requested to be said so
 
 
 def refuse_idle(mechanism: Mechanism) -> None:
@@ -319,11 +319,14 @@ def other_outputs(mechanism: Mechanism, choice: StepChoice, length: float) -> tu
 
 
 def _longer_run(choice: StepChoice, length: float) -> tuple[str, ...]:
-    """Return a sentence if a run with a given step ends later than requested, ``length`` (s), because it ends
-    with an output.
+    """Return a sentence if a run with a step that does not divide a turn into whole outputs ends later than
+    requested, ``length`` (s), because it ends with an output.
+
+    Refined automatic steps are given steps too, and divide the turn.
     """
-    time = choice.step * choice.steps
-    if choice.automatic or not time > length * (1.0 + LONGER):
+    time, turn = choice.step * choice.steps, choice.turn
+    divides = turn is not None and _has_integral_turns(turn / (choice.step * choice.outputs_every))
+    if choice.automatic or divides or not time > length * (1.0 + LONGER):
         return ()
     unit, word = (1.0, "s") if choice.turn is None else (choice.turn, "turns")
     lasting, requested = different_numbers(time / unit, length / unit)

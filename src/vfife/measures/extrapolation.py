@@ -42,9 +42,8 @@ LEAST_ERROR = 1e-4
 # One contact more or less: whether a journal grazes its bearing once more may escape all step sizes.
 LEAST_COUNT = 1.0
 COUNTS = (".impacts", ".grazing", ".deep_landings")
-# How deep the first step of a contact lands is the step's doing: it goes to zero with it. So does the share
-# of time of first steps, their number times the step.
-VANISHING = (".landing_depth.max", ".deep_landings", ".share.impact")
+# How deep the first step of a contact lands is the step's doing: it goes to zero with it.
+VANISHING = (".landing_depth.max", ".deep_landings")
 # Friction is not among them: a law with memory returns energy that it stored.
 NEVER_NEGATIVE = (
     ".max", *COUNTS, ".share.free_flight", ".share.impact", ".share.continuous_contact",

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import base64
 import dataclasses
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from datetime import date
@@ -44,7 +45,11 @@ TERMS = {
 
 
 # Options of the command line in sentences of the answer, and what stands in their place in a report.
-OPTIONS = {" (--long)": "", "more: --long": "more", " with --settle 1%": ", or until they repeat within 1 %"}
+OPTIONS = {
+    r" \(--long\)": "",
+    r"more: --long": "more",
+    r"run it with --turns (\d+) --settle 1%": r"run up to \1 turns, or until they repeat within 1 %",
+}
 
 
 @dataclass(frozen=True)
@@ -114,7 +119,7 @@ def conclusion(summary: Json) -> list[str]:
 def without_options(text: str) -> str:
     """Return a sentence of the answer for a reader who does not use the command line."""
     for option, words in OPTIONS.items():
-        text = text.replace(option, words)
+        text = re.sub(option, words, text)
     return text
 
 
