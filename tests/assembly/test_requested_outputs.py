@@ -11,6 +11,10 @@ from typing import Any
 import pytest
 
 import vfife
+from vfife import gallery
+from vfife.assembly.assemble import assemble
+from vfife.errors import StepError
+from vfife.model.functions import turn_of
 
 TURN = 0.1  # s
 
@@ -56,3 +60,39 @@ def test_the_answer_and_check_name_it() -> None:
     assert "625 outputs a turn instead of 700" in " ".join(str(model.check()).split())
     result = vfife.simulate(model, turns=1, companions=0)
     assert "625 outputs a turn instead of 700" in " ".join(str(result).split())
+
+
+def test_a_tiny_step_that_divides_a_turn_divides_it() -> None:
+    """A turn of 1e8 steps has whole outputs, a turn of a prime number of them has none."""
+    assembly = assemble(crank(), TURN / 10**8, turns=2)
+    outputs = TURN / (assembly.choice.step * assembly.choice.outputs_every)
+    assert 360 < outputs < 1440 and outputs == pytest.approx(round(outputs), rel=1e-12)
+    assert not assembly.notes
+    (note,) = assemble(crank(), TURN / 99_999_989, turns=2).notes
+    assert "divides a turn into 99,999,989 steps, but these into no whole number of outputs" in note
+
+
+@pytest.mark.parametrize(
+    ("length", "words"),
+    [
+        ({"turns": 2}, r"after 2\.\d+ turns instead of 2:"),
+        ({"turns": 0.5}, r"after 0\.50\d+ turns instead of 0\.5:"),
+        ({"duration": 0.03}, r"after 0\.30\d+ turns instead of 0\.3:"),
+    ],
+)
+def test_a_run_that_is_longer_than_requested_says_so(length: dict[str, float], words: str) -> None:
+    (note,) = assemble(crank(), 1.3e-5, **length).notes
+    assert re.search(words, note) and "means over the run" in note
+    assert not assemble(crank(), 1.25e-5, **length).notes
+    automatic = assemble(crank(), None, **length)
+    assert not assemble(crank(), automatic.choice.step / 4, force_step=True, **length).notes
+
+
+def test_a_step_just_too_large_is_told_from_the_limit() -> None:
+    model = gallery.jansen_leg()
+    turn = turn_of(model)
+    assert turn is not None
+    with pytest.raises(StepError) as refusal:
+        assemble(model, turn / 117, turns=1)
+    size, largest = re.search(r"a step of (\S+) s .* of it \((\S+) s\)", str(refusal.value)).groups()
+    assert float(size) > float(largest)

@@ -12,6 +12,7 @@ import pytest
 from support import four_bar
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import StepChoice
+from vfife.assembly.checks import missed
 from vfife.assembly.timestep import (
     COARSE_STEPS,
     CONTACT_STEPS,
@@ -23,7 +24,6 @@ from vfife.assembly.timestep import (
     Times,
     coarseness,
     length_of,
-    missed,
     size_of,
     spin_of,
     static_choice,

@@ -6,6 +6,7 @@ import pytest
 
 import vfife
 from hanging_chain import CHAIN, variant
+from vfife import gallery
 from vfife.modelfile import loads
 
 # Shares of free flight at a sixteenth of the step; at a thirty-second that of O is 0.03992 as well.
@@ -39,3 +40,13 @@ def test_an_impact_that_does_not_decay_moves_the_share_by_its_steps() -> None:
     share = result.measures["O.share.free_flight"]
     assert share.low <= 1.0 - 0.15277 <= share.high
     assert share.width == pytest.approx(0.0, abs=1e-3)
+
+
+def test_the_share_of_first_steps_vanishes_with_the_step() -> None:
+    """It is the number of impacts times the step: its range contains zero, and the value at half the step."""
+    result = vfife.simulate(gallery.four_bar_case_c(), turns=2, step=6e-6, reference=False)
+    half = vfife.simulate(gallery.four_bar_case_c(), turns=2, step=5e-7, companions=0, reference=False)
+    for joint in "BCD":
+        share = result.measures[f"{joint}.share.impact"]
+        assert share.low == 0.0 < share <= share.high
+        assert half.measures[f"{joint}.share.impact"] <= share.high

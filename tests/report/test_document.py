@@ -7,6 +7,7 @@ import zlib
 from functools import cache
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -22,13 +23,14 @@ from vfife.live.page import reports
 from vfife.modelfile import dump, load
 from vfife.plots.pdf import figure_scale, fullest
 from vfife.report import front, overview, pages, run_file
-from vfife.report.digits import measure_text, prefixed
-from vfife.report.front import TERMS, conclusion, explained
+from vfife.report.digits import interval, measure_text, prefixed
+from vfife.report.front import TERMS, conclusion, explained, without_options
 from vfife.report.html import elements
 from vfife.report.overview import cautions, certainty, joint_table
 from vfife.report.pages import findings, model_file, trust
 from vfife.report.pages import run_page as document
 from vfife.report.parts import Section, Table
+from vfife.report.run_tables import tables
 from vfife.simulation.result import Result
 
 NAME = "<script>alert(1)</script> & <b>bold</b> </iframe>"
@@ -115,7 +117,7 @@ def test_every_caution_of_the_summary_is_in_it() -> None:
     items = page().texts["li"]
     summary = run().summary
     told = [*cautions(summary), *summary["warnings"], *summary["remarks"]]
-    assert items == list(dict.fromkeys(told)) and len(items) > len(summary["warnings"])
+    assert items == list(dict.fromkeys(map(without_options, told))) and len(items) > len(summary["warnings"])
 
 
 @pytest.mark.parametrize("certain", ["the same sentence", "another sentence"])
@@ -253,6 +255,53 @@ def test_the_conclusion_is_made_of_the_numbers() -> None:
     assert ", B (" in conclusion(doubled)[1]
     ideal = vfife.simulate(gallery.four_bar_ideal(), turns=0.1, companions=0, loop="data-driven")
     assert conclusion(ideal.summary)[0].startswith("No joint has clearance; the largest joint force is ")
+
+
+def with_ranges(**ends: tuple[float, float]) -> dict[str, Any]:
+    """The summary with these ranges of forces (N)."""
+    changed = copy.deepcopy(run().summary)
+    known = [f"{name}.force.max" for name in ends]
+    changed["not_estimated"] = [name for name in changed["measures"] if name not in known]
+    for name, (low, high) in ends.items():
+        changed["ranges"][f"{name}.force.max"] = {"low": low, "high": high, "lowest": low, "highest": high}
+    return changed
+
+
+def test_the_largest_force_is_that_of_all_joints_that_may_have_it() -> None:
+    """A joint with a smaller value and a range that reaches further is named beside the largest."""
+    sizes = {name: run().summary["measures"][f"{name}.force.max"] for name in "ABCD"}
+    first, second, _, last = sorted("ABCD", key=lambda name: -sizes[name])
+    exact = {name: (size, size) for name, size in sizes.items()}
+    high = 2.0 * sizes[first]
+    wide = with_ranges(**exact | {first: (0.5 * sizes[first], 1.1 * sizes[first]), last: (0.0, high)})
+    cost = conclusion(wide)[0]
+    joints = re.search(r", in joint (.+?); with", cost)
+    assert joints is not None and {first, last} <= {*re.split(", | or ", joints[1])}
+    assert interval(max(sizes[second], 0.5 * sizes[first]), high, "N", high) in cost
+    alone = with_ranges(**{name: (0.999 * size, 1.001 * size) for name, size in sizes.items()})
+    assert f" in joint {first};" in conclusion(alone)[0]
+
+
+def test_a_report_names_no_options() -> None:
+    sizes = run().summary["measures"]
+    names = [name.removesuffix(".force.max") for name in sizes if name.endswith(".force.max")]
+    summary = with_ranges(
+        **{name: (0.5 * sizes[f"{name}.force.max"], 1.5 * sizes[f"{name}.force.max"]) for name in names}
+    )
+    summary["turns"], summary["run"] = None, summary["run"] | {"steady": True, "turns": 1.0}
+    summary["trust"] = {"sensitive": False, "converges": True, "measure": "B.force.max", "automatic": True}
+    assert "(--long)" in certainty(summary) and "--settle" in " ".join(cautions(summary))
+    text = " ".join([*conclusion(summary), *map(without_options, cautions(summary))])
+    assert not re.search(r"--[a-z]", text) and "until they repeat within 1 %" in text
+
+
+def test_an_ideal_force_of_rounding_is_about_zero() -> None:
+    summary = copy.deepcopy(run().summary)
+    summary["joints"]["B"]["ideal_force.max"] = 1.949e-17
+    (row,) = (row for row in joint_table(summary).rows if row[0].split()[0] == "B")
+    assert row[1] == "about 0"
+    (row,) = (row for table in tables(summary) for row in table.rows if row[0] == "B" and "about 0" in row)
+    assert "1.949e-17" not in " ".join(row)
 
 
 def test_terms_are_explained_where_they_occur_first() -> None:

@@ -28,12 +28,22 @@ from ..model.mechanism import Mechanism
 from ..model.surfaces import cautions, surfaces
 from ..model.validation.plausibility import contradictions
 from .assembled import Assembly, StepChoice
-from .checks import redundant, refuse_deep, refuse_idle, refuse_infinite, refuse_static, refuse_stuck, shared
+from .checks import (
+    missed,
+    other_outputs,
+    redundant,
+    refuse_deep,
+    refuse_idle,
+    refuse_infinite,
+    refuse_static,
+    refuse_stuck,
+    shared,
+)  # fmt: skip
 from .entities import Numbering, Parts, parts_of, turning
 from .fill import Draft, Filler, touch_values
 from .prestress import is_prestressed, prestress
 from .stability import turning_errors
-from .timestep import StepModels, StepRequest, choose_steps, coarse, missed, other_outputs
+from .timestep import StepModels, StepRequest, choose_steps, coarse, length_of
 
 Array = NDArray[np.float64]
 
@@ -156,7 +166,7 @@ def assemble_all(
                 dataclasses.replace(topology, redundant=True) if excess else topology,
                 members[case],
             )
-            result[k] = attempt(finished, filler, models, case, case_topology, choices[case])
+            result[k] = attempt(finished, filler, models, case, case_topology, choices[case], request)
     return [result[k] for k in range(len(mechanisms))]
 
 
@@ -282,7 +292,12 @@ def draft_of(
 
 
 def finished(
-    filler: Filler, models: StepModels, case: int, topology: Topology, choice: StepChoice | VfifeError
+    filler: Filler,
+    models: StepModels,
+    case: int,
+    topology: Topology,
+    choice: StepChoice | VfifeError,
+    request: StepRequest,
 ) -> Assembly:
     """Return the assembly of a case with its step. Raises StepError, and VfifeError where a contact starts
     too deep.
@@ -301,7 +316,9 @@ def finished(
     usual = shared_notes("surfaces", (mechanism.joints, *materials), lambda: cautions(mechanism))
     strange = shared_notes("loads", (mechanism.loads,), lambda: _load_cautions(mechanism))
     notes = usual + contradictions(mechanism) + strange + missed(mechanism, choice, layout, state)
-    notes += other_outputs(mechanism, choice)
+    if not choice.automatic:
+        length = length_of(mechanism, request.turns, request.duration, choice.turn)
+        notes += other_outputs(mechanism, choice, length)
     pivots = tuple(joint.name for joint in numbering.pivots.values())
     return Assembly(
         mechanism, topology, layout, state, draft.tables, numbering.bodies,

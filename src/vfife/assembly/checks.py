@@ -1,7 +1,10 @@
-"""What assemble refuses, and whether ideal joints hold more than there is to hold."""
+"""What assemble refuses, whether ideal joints hold more than there is to hold, and cautions on a given step:
+on what is prescribed, on the outputs of a turn, and on the length of the run.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
@@ -24,7 +27,10 @@ from ..model.rows import Coincide, Turn
 from ..numerics import dense
 from ..numerics.dense import norm, product
 from ..numerics.elementwise import cos, sin
+from .assembled import StepChoice
+from .input_functions import MISSED, step_limits
 from .stability import constraint_rows, inverse_masses, joined_particles
+from .timestep import COARSEST_STEPS, FEWEST_OUTPUTS, different_numbers, functions_of
 
 if TYPE_CHECKING:
     from ..kinematics.initial import Motion
@@ -33,6 +39,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 FULL_TURN = 6.283185307179586  # rad
+LONGER = 1e-4  # of its length, by which a run has to be longer than requested to be said so
 
 
 def refuse_idle(mechanism: Mechanism) -> None:
@@ -285,3 +292,96 @@ def shared(
             result += [f"{pivot}.force"] if max(fx, fy) > FELT * largest else []
             result += [f"{body}.torque"] if moment > FELT * largest else []
     return tuple(result)
+
+
+def missed(mechanism: Mechanism, choice: StepChoice, layout: Layout, state: Array) -> tuple[str, ...]:
+    """Return a sentence on each prescribed function for which a given step is too coarse."""
+    if choice.automatic:
+        return ()
+    length = choice.step * choice.steps
+    limits = step_limits(functions_of(mechanism, layout, state, length), MISSED, COARSEST_STEPS)
+    return tuple(
+        f"The step of {choice.step:.4g} s is too coarse for {name}: more than {100.0 * MISSED:g} % of the"
+        " largest that it prescribes are missed. "
+        f'Take at most {allowed:.4g} s, or "auto".'
+        for name, allowed in limits
+        if choice.step > allowed
+    )
+
+
+def other_outputs(mechanism: Mechanism, choice: StepChoice, length: float) -> tuple[str, ...]:
+    """Return a caution if a given step has another number of outputs in a turn than was requested, with the
+    next smaller step that has that number; if it does not divide the turns of a run of several, with the
+    nearest step that does; or if the run is longer than the requested ``length`` (s).
+    """
+    sentences = (*_outputs_of_turn(mechanism, choice), *_longer_run(choice, length))
+    return (" ".join(sentences),) if sentences else ()
+
+
+def _longer_run(choice: StepChoice, length: float) -> tuple[str, ...]:
+    """Return a sentence if a run with a step that does not divide a turn into whole outputs ends later than
+    requested, ``length`` (s), because it ends with an output.
+
+    Refined automatic steps are given steps too, and divide the turn.
+    """
+    time, turn = choice.step * choice.steps, choice.turn
+    divides = turn is not None and _has_integral_turns(turn / (choice.step * choice.outputs_every))
+    if choice.automatic or divides or not time > length * (1.0 + LONGER):
+        return ()
+    unit, word = (1.0, "s") if choice.turn is None else (choice.turn, "turns")
+    lasting, requested = different_numbers(time / unit, length / unit)
+    return (
+        f"The run ends with an output, after {lasting} {word} instead of {requested}: means over the run or"
+        " its last turn are of the time up to there.",
+    )
+
+
+def _outputs_of_turn(mechanism: Mechanism, choice: StepChoice) -> tuple[str, ...]:
+    """Return a sentence on a number of outputs in a turn that was not requested, or is not whole."""
+    turn, requested = choice.turn, choice.requested_outputs
+    if turn is None:
+        return ()
+    outputs = turn / (choice.step * choice.outputs_every)
+    effect, opening = _effect_on_turns(mechanism, choice, outputs), f"The step of {choice.step:.4g} s"
+    if requested is None or abs(outputs - requested) <= 1e-9 * requested:
+        steps = max(1, round(outputs)) * choice.outputs_every
+        remedy = f"Take a step of {turn / steps!r} s ({steps:,} a turn)."
+        return (f"{opening} {_division(turn / choice.step)}: {effect}. {remedy}",) if effect else ()
+    places = "" if _has_integral_turns(outputs) else ", at other angles in each turn"
+    steps = requested * max(1, math.ceil(turn / requested / choice.step * (1.0 - 1e-12)))
+    return (
+        f"{opening} gives {outputs:.6g} outputs a turn instead of"
+        f" {requested:,}{places}: a turn is {turn / choice.step:.10g} steps"
+        f"{f', so {effect}' if effect else ''}. For {requested:,} outputs take"
+        f" a step of {turn / steps!r} s ({steps:,} a turn).",
+    )
+
+
+def _effect_on_turns(mechanism: Mechanism, choice: StepChoice, outputs: float) -> str:
+    """Return what a turn of this number of outputs means for the measures of a run of at least a turn; "" for
+    a whole number.
+    """
+    length = 0.0 if choice.turn is None else choice.steps * choice.step / choice.turn
+    if length < 1.0 - 1e-9 or _has_integral_turns(outputs):
+        return ""
+    cut = "mean powers and torques, energies and wear of a turn are interpolated at its ends"
+    steady = all(driver.steady_speed is not None for driver in mechanism.drivers.values() if driver.moves)
+    if length < 2.0 - 1e-9 or not steady:
+        return cut
+    if outputs < FEWEST_OUTPUTS:
+        return f"turns cannot be compared, all values are those of the last turn alone, and {cut}"
+    return f"turns are compared by their largest values only, and {cut}"
+
+
+def _division(steps: float) -> str:
+    """Return how a turn of this number of ``steps`` misses whole outputs, as the end of a sentence."""
+    if _has_integral_turns(steps):
+        return (
+            f"divides a turn into {round(steps):,} steps, but these into no whole number of outputs near the"
+            " requested one"
+        )
+    return f"does not divide a turn, which is {steps:.10g} steps"
+
+
+def _has_integral_turns(outputs: float) -> bool:
+    return abs(outputs - round(outputs)) <= 1e-9 * outputs

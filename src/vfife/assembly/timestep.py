@@ -27,7 +27,7 @@ from ..model.functions import turn_of
 from ..model.mechanism import Mechanism, Settings
 from ..numerics.elementwise import hypot
 from .assembled import StepChoice
-from .input_functions import MISSED, RESOLVED, InputFunction, input_functions, step_limits
+from .input_functions import RESOLVED, InputFunction, input_functions, step_limits
 from .stability import (
     Limits,
     arm_limits,
@@ -140,7 +140,7 @@ def _choice(models: StepModels, case: int, bounds: Bounds, request: StepRequest)
     turn = turn_of(mechanism)
     length = length_of(mechanism, request.turns, request.duration, turn)
     period = _time_scale(mechanism, layout, state, length) if models.free[case] or not turn else math.inf
-    motions = partial(_input_functions, mechanism, layout, state, length)
+    motions = partial(functions_of, mechanism, layout, state, length)
     return step_within(mechanism.settings, bounds, Times(turn, length, period), motions, request)
 
 
@@ -274,9 +274,10 @@ def _requested(size: float, stable: Limit, times: Times, force: bool, per: int) 
     is longer than the run, unless it is forced.
     """
     if size > SAFETY * stable.step and not force:
+        shown, largest = different_numbers(size, SAFETY * stable.step)
         raise StepError(
-            f"a step of {size:.4g} s is too large: {stable.culprit} allows {stable.step:.4g} s, and"
-            f" {SAFETY} of it ({SAFETY * stable.step:.4g} s) is the"
+            f"a step of {shown} s is too large: {stable.culprit} allows {stable.step:.4g} s, and"
+            f" {SAFETY} of it ({largest} s) is the"
             f' largest allowed; use "auto" or a smaller step, or force it (--force-step;'
             f" in Python force_step=True)"
         )
@@ -287,6 +288,15 @@ def _requested(size: float, stable: Limit, times: Times, force: bool, per: int) 
         )
     interval = _divisor(max(1, round((times.turn or times.length) / size)), per)
     return Division(size, interval, stable.culprit)
+
+
+def different_numbers(first: float, second: float) -> tuple[str, str]:
+    """Return two numbers with four digits, or as many as it takes to show that they differ."""
+    for digits in range(4, 17):
+        texts = f"{first:.{digits}g}", f"{second:.{digits}g}"
+        if texts[0] != texts[1]:
+            return texts
+    return repr(first), repr(second)
 
 
 def static_choice(mechanism: Mechanism) -> StepChoice:
@@ -359,10 +369,16 @@ def _divisor(per_turn: int, outputs: int) -> int:
     intervals, that is nearest to the requested number of ``outputs``.
     """
     target = max(1, round(per_turn / outputs))
-    if target > 100_000:
-        return target
-    candidates = sorted(range(max(1, target // 2), 2 * target + 1), key=lambda divisor: abs(divisor - target))
-    return next((divisor for divisor in candidates if per_turn % divisor == 0), target)
+    low, high = max(1, target // 2), 2 * target
+    # Divisors come in pairs, and the smaller ones are fewer: 720 outputs of 1e8 steps are found among some
+    # 1,000 numbers of outputs rather than among 200,000 intervals.
+    if target <= outputs:
+        divisors = [interval for interval in range(low, high + 1) if per_turn % interval == 0]
+    else:
+        counts = range(max(1, per_turn // high), per_turn // low + 1)
+        divisors = [per_turn // count for count in counts if per_turn % count == 0]
+    divisors = [interval for interval in divisors if low <= interval <= high]
+    return min(divisors, key=lambda interval: (abs(interval - target), interval), default=target)
 
 
 def _time_scale(mechanism: Mechanism, layout: Layout, state: Array, length: float) -> float:
@@ -393,70 +409,11 @@ def _spin(mechanism: Mechanism, layout: Layout, state: Array) -> float:
     return max(float(np.abs(state[layout["particle_w"]]).max(initial=0.0)), *driven, 0.0)
 
 
-def _input_functions(
+def functions_of(
     mechanism: Mechanism, layout: Layout, state: Array, length: float
 ) -> Iterator[InputFunction]:
+    """Yield the prescribed functions of a run of a ``length`` (s)."""
     return input_functions(mechanism, length, _spin(mechanism, layout, state), partial(size_of, mechanism))
-
-
-def missed(mechanism: Mechanism, choice: StepChoice, layout: Layout, state: Array) -> tuple[str, ...]:
-    """Return a sentence on each prescribed function for which a given step is too coarse."""
-    if choice.automatic:
-        return ()
-    length = choice.step * choice.steps
-    limits = step_limits(_input_functions(mechanism, layout, state, length), MISSED, COARSEST_STEPS)
-    return tuple(
-        f"The step of {choice.step:.4g} s is too coarse for {name}: more than {100.0 * MISSED:g} % of the"
-        " largest that it prescribes are missed. "
-        f'Take at most {allowed:.4g} s, or "auto".'
-        for name, allowed in limits
-        if choice.step > allowed
-    )
-
-
-def other_outputs(mechanism: Mechanism, choice: StepChoice) -> tuple[str, ...]:
-    """Return a sentence if a given step has another number of outputs in a turn than was requested, with the
-    next smaller step that has that number; or if it does not divide the turns of a run of several, with the
-    nearest step that does.
-    """
-    turn, requested = choice.turn, choice.requested_outputs
-    if turn is None:
-        return ()
-    outputs = turn / (choice.step * choice.outputs_every)
-    effect, opening = _effect_on_turns(mechanism, choice, outputs), f"The step of {choice.step:.4g} s"
-    if requested is None or abs(outputs - requested) <= 1e-9 * requested:
-        steps = max(1, round(outputs)) * choice.outputs_every
-        length = f"a turn, which is {turn / choice.step:.9g} steps"
-        remedy = f"Take a step of {turn / steps!r} s ({steps:,} a turn)."
-        return (f"{opening} does not divide {length}: {effect}. {remedy}",) if effect else ()
-    places = "" if _has_integral_turns(outputs) else ", at other angles in each turn"
-    steps = requested * max(1, math.ceil(turn / requested / choice.step * (1.0 - 1e-12)))
-    return (
-        f"{opening} gives {outputs:.6g} outputs a turn instead of"
-        f" {requested:,}{places}: a turn is {turn / choice.step:.9g} steps"
-        f"{f', so {effect}' if effect else ''}. For {requested:,} outputs take"
-        f" a step of {turn / steps!r} s ({steps:,} a turn).",
-    )
-
-
-def _effect_on_turns(mechanism: Mechanism, choice: StepChoice, outputs: float) -> str:
-    """Return what a turn of this number of outputs means for the measures of a run of at least a turn; "" for
-    a whole number.
-    """
-    length = 0.0 if choice.turn is None else choice.steps * choice.step / choice.turn
-    if length < 1.0 - 1e-9 or _has_integral_turns(outputs):
-        return ""
-    cut = "mean powers and torques, energies and wear of a turn are interpolated at its ends"
-    steady = all(driver.steady_speed is not None for driver in mechanism.drivers.values() if driver.moves)
-    if length < 2.0 - 1e-9 or not steady:
-        return cut
-    if outputs < FEWEST_OUTPUTS:
-        return f"turns cannot be compared, all values are those of the last turn alone, and {cut}"
-    return f"turns are compared by their largest values only, and {cut}"
-
-
-def _has_integral_turns(outputs: float) -> bool:
-    return abs(outputs - round(outputs)) <= 1e-9 * outputs
 
 
 def coarse(mechanism: Mechanism, choice: StepChoice, layout: Layout, state: Array) -> int:

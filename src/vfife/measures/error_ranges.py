@@ -40,6 +40,8 @@ LOADS = (".force.max", ".moment.max", ".torque.max")
 # Share of the largest load that rounding leaves of one that is zero, and rounding of an angle (rad).
 NOISE = 1e-9
 ROUNDING = 16.0 * 2.2e-16
+# The share of time of the first steps of contacts is their number times the step, and its limit is zero.
+FIRST_STEPS = ".share.impact"
 GROUND = "ground."  # measures at outputs, whose own estimates hold where they are rounding
 # Values below this share of the largest of their kind are compared with that share, so that an idle joint
 # makes no run sensitive.
@@ -105,6 +107,8 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, groups:
         estimated = _estimated(record, name, sample)
         if estimated and name in limits and not name.startswith(GROUND):
             low, high = (0.0 if name.endswith(".max") else -limits[name]), limits[name]
+        if estimated and name.endswith(FIRST_STEPS):
+            low = 0.0
         unique = name not in open_ones
         ranges[name] = Measured(sample.value, low, high, unique, sample.lowest, sample.highest, estimated)
         ranges[name].unit = unit_of(name)

@@ -13,7 +13,7 @@ from ..job.progress import amount_of_bytes, counted, span
 from ..laws.materials import PAIRS, coefficient
 from ..model.surfaces import body_of, surface_words, surfaces
 from ..model.wear import deepest
-from .digits import RADIAL
+from .digits import ABOUT_ZERO, RADIAL, is_ideal_zero
 from .document import Document, Paragraph, Part, Table, grouped, paragraphs, quantities
 from .freedom import degrees_of_freedom, freedom_words, redundancy
 from .loads import load_words
@@ -265,10 +265,11 @@ def _left_out(count: int, limit: int | None, parts: str) -> Iterator[Part]:
 
 def _joints(joints: Sequence[Mapping[str, Any]], limit: int | None) -> Iterator[Part]:
     """Yield the table of joints."""
-    rows = []
+    rows, forces = [], [joint["expected_force"] for joint in joints]
     for joint in joints:
         sizes = [f"{1e3 * joint[key]:.6g}" if key in joint else "" for key in ("clearance", "bearing_radius")]
-        force = "" if joint["expected_force"] is None else f"{joint['expected_force']:.5g}"
+        ideal = joint["expected_force"]
+        force = "" if ideal is None else ABOUT_ZERO if is_ideal_zero(ideal, forces) else f"{ideal:.5g}"
         rows.append((joint["name"], joint["kind"], joint["bearing"], joint["journal"], *sizes, force))
     heads = ("joint", "kind", "bearing", "journal", "clearance, mm", "radius, mm", "ideal force, N")
     yield Table(heads, rows[:limit], numbers=(4, 5, 6))

@@ -25,6 +25,11 @@ def and_words(names: list[str]) -> str:
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
+def or_words(names: list[str]) -> str:
+    """Return names as words of a sentence, any of which may be meant."""
+    return " or ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
 def words(measure: str) -> str:
     """Return a measure in words; its name if it has none."""
     ending = next((ending for ending in MEASURES if measure.endswith(f".{ending}")), "")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ..measures.values import NOT_ESTIMATED
@@ -34,6 +34,8 @@ PREFIXES = (  # factors with their exponents of ten
 )  # fmt: skip
 PREFIXED = ("m", "N", "Pa", "W", "J", "s")  # units of quantities with prefixes
 MOST_DIGITS = 10  # of a number whose error is unknown
+LEAST_DIGITS = 2  # of a number of a column, however large its error
+NEGLIGIBLE_IDEAL = 1e-9  # of the largest of its kind: an ideal force or acceleration below it is rounding
 
 
 # -------------------------------------------------------------------------------- measures of a run's summary
@@ -231,6 +233,26 @@ def over_turns(text: str, turns: str) -> str:
     return f"{text}, mean over turns (single turns {turns})" if turns else text
 
 
+def is_ideal_zero(value: float, values: Iterable[float | None]) -> bool:
+    """Return whether a largest force or acceleration of the ideal mechanism is rounding beside ``values`` of
+    its kind.
+    """
+    return 0.0 < value <= NEGLIGIBLE_IDEAL * max((abs(size or 0.0) for size in values), default=0.0)
+
+
+def forces_of(summary: Json) -> list[float | None]:
+    """Return the largest forces (N) of all joints, ideal and with clearance; None where one is unknown."""
+    return [joint[key] for joint in summary["joints"].values() for key in ("ideal_force.max", "force.max")]
+
+
+def ideal_force_text(summary: Json, joint: str) -> str:
+    """Return the largest force of an ideal joint; "" if it is not known."""
+    ideal = summary["joints"][joint]["ideal_force.max"]
+    if ideal is None:
+        return ""
+    return ABOUT_ZERO if is_ideal_zero(ideal, forces_of(summary)) else prefixed(ideal, "N")
+
+
 def ideal_shaking_text(summary: Json) -> str:
     """Return the largest force of the ideal mechanism on the ground, in brackets; "" if it is not known."""
     force = summary["model"].get("ideal_shaking_force.max")
@@ -366,7 +388,8 @@ def quantity(value: Any, unit: str, direction: int = NEAREST, size: float | None
 
 class Digits(NamedTuple):
     """What decides the digits of a column of numbers: their ``spread``, of which two more digits are
-    printed, and their ``error``, whose first digit is the last (both in the unit of the numbers, 0 unknown).
+    printed, and their ``error``, whose first digit is the last (both in the unit of the numbers, 0 unknown);
+    but two digits are printed in any event, because one may differ from the number by half of it.
     """
 
     spread: float = 0.0
@@ -378,7 +401,7 @@ class Digits(NamedTuple):
         count = max(usual, first - exponent(self.spread) + 3) if self.spread > 0.0 else usual
         if self.error > 0.0:
             count = min(count, first - exponent(self.error) + 1)
-        return max(1, min(count, MOST_DIGITS))
+        return max(LEAST_DIGITS, min(count, MOST_DIGITS))
 
 
 def quantity_of_digits(value: Any, unit: str, digits: Digits) -> str:

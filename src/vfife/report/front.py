@@ -5,6 +5,8 @@ certain that is.
 from __future__ import annotations
 
 import base64
+import dataclasses
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from datetime import date
@@ -13,9 +15,10 @@ from pathlib import Path
 
 from ..errors import VfifeError
 from ..files import read_bytes
-from .digits import Json, percent, prefixed, uncertainty
+from .design_words import or_words
+from .digits import Json, ideal_force_text, interval, is_undetermined, percent, prefixed, uncertainty
 from .document import Element, Facts, Paragraph, Part, Section, Table
-from .overview import blow, certainty, clearance_note, force_text, joint_table
+from .overview import blow, certainty, clearance_note, force_text, joint_table, rivals
 from .run_tables import NONE_BEGAN, knock_texts, of_contacts, own_knocks
 
 LARGEST_LOGO = 1_000_000  # bytes
@@ -38,6 +41,14 @@ TERMS = {
     "Trust": "how far the numbers differ from those of the same run with smaller and larger time steps",
     "ledger": "balance of energies supplied, stored and lost; the remainder is an error of the run",
     "shaking": "force and moment with which the running mechanism acts on its base",
+}
+
+
+# Options of the command line in sentences of the answer, and what stands in their place in a report.
+OPTIONS = {
+    r" \(--long\)": "",
+    r"more: --long": "more",
+    r"run it with --turns (\d+) --settle 1%": r"run up to \1 turns, or until they repeat within 1 %",
 }
 
 
@@ -86,6 +97,9 @@ def front_page(summary: Json, picture: Part | None) -> Section:
     """Picture, conclusion and table of a run."""
     texts = [Paragraph(text) for text in conclusion(summary)]
     table = joint_table(summary) if "joints" in summary else Table((), ())
+    table = dataclasses.replace(
+        table, rows=[tuple(map(without_options, map(str, row))) for row in table.rows]
+    )
     parts = [*([picture] if picture else []), *texts, *([table] if table.rows else [])]
     parts += clearance_note(summary) if table.rows else []
     return Section("Conclusion", parts)
@@ -98,25 +112,63 @@ def conclusion(summary: Json) -> list[str]:
     if summary["run"].get("analysis") == "static":
         run = summary["run"]
         return [f"The analysis found {run['reached']} of {run['load_factors']} equilibria."]
-    return [text for text in (_cost(summary), _joint(summary), _knocks(summary), certainty(summary)) if text]
+    certain = without_options(certainty(summary))
+    return [text for text in (_cost(summary), _joint(summary), _knocks(summary), certain) if text]
+
+
+def without_options(text: str) -> str:
+    """Return a sentence of the answer for a reader who does not use the command line."""
+    for option, words in OPTIONS.items():
+        text = re.sub(option, words, text)
+    return text
 
 
 def _cost(summary: Json) -> str:
     joints = summary["joints"]
     if not joints:
         return ""
-    name = max(joints, key=lambda joint: float(joints[joint]["force.max"]))
-    force = force_text(summary, f"{name}.force.max")
+    names = _most_loaded(summary)
+    name, force = or_words(names), _largest_force(summary, names)
     if not any(joint.get("clearance") for joint in joints.values()):
         return f"No joint has clearance; the largest joint force is {force}, in joint {name}."
-    ideal = joints[name]["ideal_force.max"]
-    if ideal is None:
+    ideals = [joint["ideal_force.max"] for joint in joints.values()]
+    if any(ideal is None for ideal in ideals):
         return f"With clearance the largest joint force is {force}, in joint {name}."
+    if len(names) > 1:
+        return (
+            f"With clearance the largest joint force is {force}, in joint {name}; with ideal joints it is"
+            f" {prefixed(max(ideals), 'N')}."
+        )
     change = _change(summary, name)
     return (
         f"With clearance the largest joint force is {force} in joint {name}; with ideal joints it is"
-        f" {prefixed(ideal, 'N')} there{f' ({change})' if change else ''}."
+        f" {ideal_force_text(summary, name)} there{f' ({change})' if change else ''}."
     )
+
+
+def _most_loaded(summary: Json) -> list[str]:
+    """Return the joints whose force may be the largest: that of the largest force, and where that is shown
+    as a range, those whose ranges reach it.
+    """
+    names = [f"{joint}.force.max" for joint in summary["joints"]]
+    largest = max(names, key=lambda name: float(summary["measures"][name]))
+    uncertain = [
+        name for name in names if " to " in force_text(summary, name) and not is_undetermined(summary, name)
+    ]
+    candidates = rivals(summary, largest, names)
+    shown = [name for name in candidates if name == largest or largest in uncertain or name in uncertain]
+    return [name.removesuffix(".force.max") for name in shown]
+
+
+def _largest_force(summary: Json, joints: list[str]) -> str:
+    """Return the largest force of joints of which any may have it, with the digits of the widest range."""
+    names = [f"{joint}.force.max" for joint in joints]
+    if len(names) == 1:
+        return force_text(summary, names[0])
+    ranges = [summary["ranges"][f"{joint}.force.max"] for joint in summary["joints"]]
+    width = max(uncertainty(summary, name) for name in names)
+    low, high = (max(float(ends[key]) for ends in ranges) for key in ("low", "high"))
+    return interval(low, high, "N", width)
 
 
 def _joint(summary: Json) -> str:

@@ -18,6 +18,7 @@ from .digits import (
     SCATTER,
     WIDE,
     Json,
+    ideal_force_text,
     ideal_shaking_text,
     interval,
     is_about_zero,
@@ -273,14 +274,13 @@ def _joint_row(summary: Json, name: str) -> tuple[str, ...]:
     clearance = joint.get("clearance")
     label = f"{name} {prefixed(clearance, 'm')}" if clearance else name
     shared = " *" if measure in summary["not_unique"] else ""
-    ideal = joint["ideal_force.max"]
     knock = knock_texts(summary, name)[0]
     pressures = of_contacts(summary, name, "contact_pressure.max")
     friction = f"{name}.friction_power.mean"
     power = power_text(summary, friction, WIDE) if summary["measures"].get(friction) else ""
     return (
         label,
-        "" if ideal is None else prefixed(ideal, "N"),
+        ideal_force_text(summary, name),
         force_text(summary, measure) + shared,
         turns_text(summary, measure, "N", CERTAIN),
         # One screen has no room for ranges in these two columns: --long shows them.
@@ -382,8 +382,8 @@ def _noise(summary: Json) -> Iterator[tuple[str, str]]:
         return
     names = [name for name in summary["measures"] if name.endswith(".impact_power.mean")]
     losses = f"; knocks lose {sum_text(summary, names, 'W', SCATTER)}" if names else ""
-    rivals = _rivals(summary, hardest, list(speeds))
-    speed, joint = largest_text(summary, rivals, "m/s"), _contact_words(rivals)
+    harder = rivals(summary, hardest, list(speeds))
+    speed, joint = largest_text(summary, harder, "m/s"), _contact_words(harder)
     measured = summary.get("knocks", {})
     start = f"at the start {speed} ({joint})"
     if not measured or any(entry["hardest"] and entry["count"] for entry in measured.values()):
@@ -421,7 +421,7 @@ def _measured_knock(summary: Json) -> str:
     return f", {texts[joint][0]} ({joint}) in the turns of the table"
 
 
-def _rivals(summary: Json, hardest: str, names: list[str]) -> list[str]:
+def rivals(summary: Json, hardest: str, names: list[str]) -> list[str]:
     """Return the measures of which any may be the largest: their ranges reach that of the ``hardest``."""
     if not all(is_estimated(summary, name) for name in names):
         return [hardest]

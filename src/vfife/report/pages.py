@@ -37,7 +37,7 @@ from .document import (
     quantities,
 )
 from .excerpts import rounded, table_excerpt, with_short_lists
-from .front import Front, explained, front_page
+from .front import Front, explained, front_page, without_options
 from .html import page
 from .overview import cautions, certainty
 from .run import equilibria, facts, footnotes
@@ -93,7 +93,8 @@ def run_document(
     model = summary["model"]
     leading = "" if summary["run"].get("analysis") == "static" else verdict(summary)
     warnings = [text for text in summary["warnings"] if not leading or text != leading]
-    texts = list(dict.fromkeys([*cautions_of_run(summary), *warnings, *summary["remarks"]]))
+    texts = [*cautions_of_run(summary), *warnings, *summary["remarks"]]
+    texts = list(dict.fromkeys(map(without_options, texts)))
     sections = (
         front_page(summary, figures[0] if figures else None),
         Section("Cautions", [Bullets(texts, ordered=True) if texts else Paragraph("None.")]),

@@ -21,9 +21,11 @@ from .digits import (
     amount,
     deviations,
     estimate_mark,
+    forces_of,
     interval,
     is_about_zero,
     is_estimated,
+    is_ideal_zero,
     is_undetermined,
     largest_text,
     percent,
@@ -149,7 +151,7 @@ def _joint_table(summary: Json, title: str) -> Table:
         force = joint["force.max"] if joint["force.max"] > 1e-9 * largest else 0.0  # below that only rounding
         cells = _range_cells(summary, f"{name}.force.max", force)
         if compared:
-            cells += _ideal_cells(summary, f"{name}.force", joint["ideal_force.max"])
+            cells += _ideal_cells(summary, f"{name}.force", joint["ideal_force.max"], forces_of(summary))
         if moments:
             moment = f"{name}.moment.max"
             cells.append(
@@ -184,9 +186,8 @@ def _body_table(summary: Json, title: str) -> Table:
         if size > NOISE * max(sizes.values()):  # a body that only slides has none
             cells = _range_cells(summary, f"{name}.angular_acceleration.max", size)
             if compared:
-                cells += _ideal_cells(
-                    summary, f"{name}.angular_acceleration", bodies[name]["ideal_angular_acceleration.max"]
-                )
+                ideal = bodies[name]["ideal_angular_acceleration.max"]
+                cells += _ideal_cells(summary, f"{name}.angular_acceleration", ideal, sizes.values())
             rows.append((name, *cells))
     note = IDEAL.format("LIP(a)", "acceleration") if compared and summary["trust"] else ""
     heads = ("body", *_headings(summary, "acceleration", compared, "LIP(a)"))
@@ -244,9 +245,12 @@ def _range_cells(summary: Json, name: str, value: float) -> list[str]:
     return cells
 
 
-def _ideal_cells(summary: Json, name: str, ideal: float | None) -> list[str]:
-    """Return the value of the ideal mechanism, and by how many per cent clearances increase it."""
-    return [amount(ideal, unit_of(f"{name}.max")), influence_text(summary, name)]
+def _ideal_cells(summary: Json, name: str, ideal: float | None, values: Iterable[float | None]) -> list[str]:
+    """Return the value of the ideal mechanism, and by how many per cent clearances increase it; ``values``:
+    those of its kind.
+    """
+    zero = ideal is not None and is_ideal_zero(ideal, values)
+    return [ABOUT_ZERO if zero else amount(ideal, unit_of(f"{name}.max")), influence_text(summary, name)]
 
 
 def influence_text(summary: Json, name: str) -> str:
