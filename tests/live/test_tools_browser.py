@@ -199,6 +199,30 @@ def test_parts_are_deleted_and_restored(drawing):
     assert drawing.document.text == before
 
 
+def test_an_answer_that_a_newer_one_overtakes_changes_nothing(drawing):
+    """Two steps are undone, and the answer to the first arrives after that to the second."""
+    before, late = drawing.document.text, []
+
+    def hold(route):
+        if late:
+            return route.continue_()
+        late.append((route, route.fetch()))
+
+    drawing.use("point")
+    drawing.click(FREE, "[0.2, 0.3]")
+    drawing.page.route("**/undo", hold)
+    for left in (1, 0):
+        drawing.page.keyboard.press("Control+z")
+        drawing.page.wait_for_function("(left) => shell.model.undo === left", arg=left)
+    [(route, answer)] = late
+    assert answer.json()["undo"] == 1
+    with drawing.page.expect_response("**/undo"):
+        route.fulfill(response=answer)
+    drawing.settle()
+    assert drawing.page.evaluate("() => shell.model.undo") == 0
+    assert drawing.page.locator("#text").input_value() == drawing.document.text == before
+
+
 def test_the_pivot_of_a_driven_crank_is_not_deleted_and_the_sentence_is_beside_it(drawing):
     before, version = drawing.document.text, drawing.document.version
     with pytest.raises(ModelError) as refused:

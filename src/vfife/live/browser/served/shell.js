@@ -38,6 +38,7 @@ let form = null;
 
 async function show(model, by = "") {
   const switched = session.model?.id !== model.id;
+  if (!switched && model.version < session.model.version) return; // an answer or event that a newer one has overtaken
   const newer = switched || model.version !== session.model.version;
   if (newer || !session.shown) Object.assign(session, { pending: [], unsound: false });
   session.model = model;
