@@ -23,7 +23,7 @@ from vfife.laws import (
     Pereira,
 )
 from vfife.laws.contact.damping import DAMPING, delivered
-from vfife.model.surfaces import cautions, law_facts, remarks
+from vfife.model.surfaces import cautions, law_facts, remarks, surface_facts
 from vfife.report.cautions import rebound_cautions
 from vfife.simulation.result import Result
 
@@ -157,6 +157,16 @@ def test_a_rebound_is_no_caution_but_where_impacts_are_asked_for():
     assert fact.startswith("Joints big-end, small-end, cylinder: lankarani-nikravesh, with restitution 0.5")
     assert rebound_cautions(machine, ["main.force.max", "crank.power.mean"]) == ()
     assert rebound_cautions(machine, ["main.force.max", "small-end.approach_speed.max"]) == (fact,)
+
+
+def test_a_block_touches_with_its_corners_and_their_radius_is_stated():
+    """Pressure of a line contact goes with the root of 1/radius, so a reader must know the radius."""
+    machine = vfife.gallery.compressor()
+    assert surface_facts(machine) == (
+        "Joint cylinder: the block touches the walls with its corners, whose radius of 1 mm (corner_radius)"
+        " decides its pressures, wear and contact stiffness.",
+    )
+    assert surface_facts(four_bar("BCD")) == ()
 
 
 def test_assembly_and_result_say_it_once_for_joints_that_are_alike():

@@ -72,6 +72,15 @@ def law_facts(mechanism: Mechanism) -> tuple[str, ...]:
     return _by_joint(joints)
 
 
+def surface_facts(mechanism: Mechanism) -> tuple[str, ...]:
+    """Return a sentence for each fact about the surfaces of the joints; joints with the same one share it."""
+    joints: dict[str, list[str]] = {}
+    for name, joint in mechanism.contacts.items():
+        for fact in joint.facts():
+            joints.setdefault(f"{fact}.", []).append(name)
+    return _by_joint(joints)
+
+
 def _by_joint(joints: Mapping[str, list[str]]) -> tuple[str, ...]:
     """Return sentences after the names of the joints that they concern."""
     return tuple(

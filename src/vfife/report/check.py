@@ -17,6 +17,7 @@ from .digits import ABOUT_ZERO, RADIAL, is_ideal_zero
 from .document import Document, Paragraph, Part, Table, grouped, paragraphs, quantities
 from .freedom import degrees_of_freedom, freedom_words, redundancy
 from .loads import load_words
+from .run import facts_of
 
 if TYPE_CHECKING:
     from ..assembly.assembled import Assembly
@@ -289,7 +290,7 @@ def _laws(check: Mapping[str, Any], limit: int | None) -> Iterator[Part]:
     for text, names in grouped(laws).items():
         remainder = "" if limit is None or len(names) <= limit else ", ..."
         yield Paragraph(f"{', '.join(names[:limit])}{remainder}: {text}")
-    yield from paragraphs(check["law_facts"])
+    yield from paragraphs(facts_of(check))
 
 
 def _law_words(kind: str, entry: Mapping[str, Any]) -> str:

@@ -40,7 +40,7 @@ from .excerpts import rounded, table_excerpt, with_short_lists
 from .front import Front, explained, front_page, without_options
 from .html import page
 from .overview import cautions, certainty
-from .run import equilibria, facts, footnotes
+from .run import equilibria, facts, facts_of, footnotes
 from .run_tables import depths_of_onsets, tables
 from .study import case_table, case_words, counts_words, extreme_table, parameter_table, settling_words
 from .summary import run_summary
@@ -272,7 +272,7 @@ def _derived(summary: dict[str, Any]) -> list[Part]:
     return [
         Table(("joints", "kind", "law", "parameters"), rows),
         Table(("law", "formula", "source"), list(sources.values()), "Formulas and sources"),
-        *paragraphs(summary["law_facts"]),
+        *paragraphs(facts_of(summary)),
     ]
 
 

@@ -99,8 +99,13 @@ def facts(summary: Json) -> list[tuple[str, str]]:
             ],
         ),
         *([("Stops", stops)] if stops else []),
-        *_named_once("Laws", [*law_lines, *summary["law_facts"], *summary["remarks"]]),
+        *_named_once("Laws", [*law_lines, *facts_of(summary), *summary["remarks"]]),
     ]
+
+
+def facts_of(summary: Json) -> list[str]:
+    """Return the sentences on the laws and surfaces of the joints."""
+    return [*summary["law_facts"], *summary["surface_facts"]]
 
 
 def _named_once(name: str, lines: list[str]) -> list[tuple[str, str]]:

@@ -18,7 +18,7 @@ from ..measures.values import Measured, lips
 from ..measures.wear import SIDES
 from ..measures.zero_limits import about_zero
 from ..model.bodies import Link
-from ..model.surfaces import body_of, law_facts, surfaces
+from ..model.surfaces import body_of, law_facts, surface_facts, surfaces
 from ..model.validation.plausibility import suspect_surfaces
 from ..solvers.record import Record
 from ..solvers.refinement import worth_other_meshes, worth_refining
@@ -57,9 +57,10 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
     measures, by contact: ``count``, ``speed`` in m/s, whether it is the ``hardest`` of the whole run),
     ``blows`` (in closed contact, by joint: ``excess`` and ``lowest`` in N, ``crank`` in degrees), ``ground``
     (what bounds the shaking force of a run with contact), ``dead_centres``, ``conformal``, ``law_facts``,
-    ``remarks``, ``warnings``, ``law_dependent`` (joints whose forces depend more on the contact law than on
-    the step, with the index of the warning) and, of a model with stops, ``stops`` (contacts that the outputs
-    show, by name) with the ``stop_interval`` of the outputs (s) are what the document of
+    ``surface_facts``, ``remarks``, ``warnings``, ``law_dependent`` (joints whose forces depend more on the
+    contact law than on the step, with the index of the warning) and, of a model with stops, ``stops``
+    (contacts that the outputs show, by name) with the ``stop_interval`` of the outputs (s) are what the
+    document of
     :mod:`~vfife.report.run` is made of.
     """
     reference = reference if reference is not None else result.reference
@@ -108,6 +109,7 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
         "dead_centres": [] if static else dead_centres(result, measures, ideal),
         "conformal": wide_contacts(result),
         "law_facts": list(law_facts(record.assembly.mechanism)),
+        "surface_facts": list(surface_facts(record.assembly.mechanism)),
         "remarks": [] if static else usual_remarks(result),
         "measures": measures,
         "turns": turns,

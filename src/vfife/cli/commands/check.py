@@ -15,7 +15,7 @@ from ...laws.check import comparison
 from ...laws.law import LAWS
 from ...model.mechanism import Mechanism
 from ...model.readers import DEFAULTS
-from ...model.surfaces import law_facts, surfaces
+from ...model.surfaces import law_facts, surface_facts, surfaces
 from ...modelfile.csvtables import expand
 from ...modelfile.paths import override
 from ...modelfile.reader import Written
@@ -78,6 +78,7 @@ def examine(options: CheckOptions) -> dict[str, Any]:
         "defaults": defaults_of(options.model, overrides(options.set_), lengths(options)),
         "notes": [*assembly.notes, *facts.outlook.notes],
         "law_facts": list(law_facts(mechanism)),
+        "surface_facts": list(surface_facts(mechanism)),
         **({"laws": compared_laws(mechanism)} if options.laws else {}),
     }
 

@@ -68,6 +68,14 @@ class ClearanceSlider(Contact):
             math.inf, self.clearance, self.axial_length, *materials, opposite_radius=self.corner_radius
         )
 
+    def facts(self) -> tuple[str, ...]:
+        """Return what the block touches the walls with."""
+        return (
+            "the block touches the walls with its corners, whose radius of"
+            f" {1e3 * self.corner_radius:.4g} mm (corner_radius) decides its pressures, wear and contact"
+            " stiffness",
+        )
+
     def touchings(self, turned: float) -> tuple[Touching, ...]:
         """Return the contacts of the four corners: rear and front at the wall to the left of the guide's
         direction, then at the wall to its right.

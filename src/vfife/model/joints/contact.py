@@ -96,6 +96,10 @@ class Contact(Joint):
         """Nominal size (m) of a fit of the joint: a diameter, or the height of a block; None without."""
         return None
 
+    def facts(self) -> tuple[str, ...]:
+        """Return sentences on the surfaces that a reader of pressures and wear must know."""
+        return ()
+
     @property
     def landing(self) -> float:
         """Depth (m) of a first contact from which it counts as deep."""
