@@ -137,6 +137,7 @@ class DesignWork:
     def __post_init__(self) -> None:
         arguments = Arguments("design")
         arguments.mechanism(self.mechanism)
+        arguments.kind("of", self.of, (str, type(None)), "the name of a measure, or None")
         arguments.check()
         refuse_unfit(self.mechanism)
         self.clearances, self.turns = clearances(self.mechanism), self.run_turns()

@@ -124,14 +124,13 @@ def sensitivity(
     """
     arguments, runs = Arguments("sensitivity"), options["runs"]
     arguments.mechanism(mechanism)
-    arguments.kind("to", to, (str, Sequence), "paths, or patterns of paths")
+    of = None if of is None else arguments.names("of", of)
+    to = arguments.names("to", to)
     run_arguments = arguments.run(**{name: options.get(name) for name in Length.__annotations__})
     if arguments.count("runs", runs) is not None and runs is not None and runs > MOST_RUNS:
         limit = f"a whole number from 1 to {MOST_RUNS}"
         arguments.fault("runs", "more than go side by side", runs, limit, "give fewer")
     arguments.check()
-    of = (of,) if isinstance(of, str) else of
-    to = (to,) if isinstance(to, str) else to
     refuse_unfit(mechanism, of or ())
     model_numbers = numbers(mechanism)
     chosen = without_points(model_numbers) if tuple(to) == ALL_PATHS else matching("to", to, model_numbers)
