@@ -156,7 +156,7 @@ def loads(text: str, set: Items = (), *, file: str | None = None) -> Mechanism:
 
 def pairs_of(items: Any) -> list[tuple[str, Any]]:
     """Return values by path as pairs. Raises ModelError for anything else, also for a mapping."""
-    pairs = list(items) if isinstance(items, Iterable) else [None]
+    pairs: list[Any] = list(items) if isinstance(items, Iterable) else [None]
     if isinstance(items, str | bytes | Mapping) or not all(map(is_pair, pairs)):
         remedy = 'give them as in [("joint.C.clearance", "0.5 mm")], or use load(path, {...})'
         raise ModelError([value_fault(items, "pairs of a path and a value", remedy).at("set")], "load()")

@@ -26,7 +26,7 @@ COMPARED = (  # numbers of a comparison: key, head, factor to the unit of the he
     ("impacts", "impacts", 1, ","), ("contact_share", "contact, %", 100.0, ".3g"),
 )  # fmt: skip
 # Remedies where no derivative was computed.
-OTHERS = (
+REMEDIES = (
     " More turns (--turns), vfife study over a range, or vfife design may answer; --companions 0 computes the"
     " derivatives of the run alone."
 )
@@ -77,7 +77,7 @@ def _caveats(result: Sensitivity) -> list[str]:
             "interrupted: numbers are missing, and no derivative is checked by finite changes or other steps."
         )
     if result.doubtful:
-        omitted, remedies = (", and none was computed", OTHERS) if result.undetermined else ("", "")
+        omitted, remedies = (", and none was computed", REMEDIES) if result.undetermined else ("", "")
         texts.append(
             f"runs with other time steps disagree on {', '.join(sorted(result.doubtful))}: derivatives of"
             f" these are meaningless{omitted}. A smaller --step may help, unless the motion is"

@@ -477,15 +477,14 @@ def undetermined(
     """Return an answer without derivatives if companions disagree on all measures ``names`` of the run that
     are not zero; else None. ``values`` are those of all measures.
     """
-    record = result.record
-    nonzero = {name: value for name, value in names.items() if value != 0.0}
-    remainders = rounding(values, scales=floors(record.assembly, values)) & nonzero.keys()
+    assembly, nonzero = result.record.assembly, {name: value for name, value in names.items() if value != 0.0}
+    remainders = rounding(values, scales=floors(assembly, values)) & nonzero.keys()
     if not nonzero.keys() - remainders or len(doubtful(result, nonzero, measures)) < len(nonzero):
         return None
     significant = {name: value for name, value in nonzero.items() if name not in remainders}
     return Sensitivity(
-        record.assembly.mechanism.name, significant, doubtful=frozenset(significant), rounding=remainders,
-        part=part_of(record, None),
+        assembly.mechanism.name, significant, doubtful=frozenset(significant), rounding=remainders,
+        part=part_of(result.record, None),
     )  # fmt: skip
 
 
