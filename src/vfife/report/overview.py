@@ -76,7 +76,7 @@ def overview(summary: Json) -> Document:
     """
     if summary["run"].get("analysis") == "static":
         return document(summary, MOST_FACTORS)
-    parts: list[Part] = [Paragraph(_heading(summary), style="strong")]
+    parts: list[Part] = [Paragraph(heading_sentence(summary), style="strong")]
     parts += paragraphs([certainty(summary)], style="alarm" if uncertain(summary) else "good")
     table = joint_table(summary)
     parts += [table] if table.rows else []
@@ -90,7 +90,8 @@ def overview(summary: Json) -> Document:
     return Document(parts, data=summary)
 
 
-def _heading(summary: Json) -> str:
+def heading_sentence(summary: Json) -> str:
+    """Return the model, its speeds, the length of the run and the part that values are of."""
     run = summary["run"]
     speeds = [in_rpm(abs(speed)) for speed in run.get("speeds", {}).values()]
     turns = [f"{run['turns']:.4g} turn{'s' * (run['turns'] != 1.0)}"] if run["turns"] is not None else []
