@@ -234,14 +234,14 @@ def forecast(prepared: Prepared, mechanism: Mechanism, count: int, runs: int | N
     steps, varied = f"{assembly.choice.steps:,} steps", counted(count, "number")
     work = f"a run of {steps} with derivatives by {varied}, each checked by finite changes"
     longest = MOST_TRIES * single_run.seconds + HALVED_TWICE * (seconds - single_run.seconds)
-    automatic = assembly.choice.automatic
+    automatic, ends = assembly.choice.automatic, (seconds, longest)
     note = f", {span(seconds)} to {span(longest)} as the automatic step is halved or not" if automatic else ""
     if automatic:  # within a factor of two of both
         seconds = math.sqrt(seconds * longest)
     remedy = "ask for fewer numbers (to) or turns"
     return Forecast(
         "run", 1, single_run.seconds, seconds, single_run.memory, threads=cores(), lanes=lanes, work=work,
-        remedy=remedy, note=note,
+        remedy=remedy, note=note, ends=ends if automatic else None,
     )  # fmt: skip
 
 
