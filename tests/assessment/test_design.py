@@ -404,7 +404,7 @@ def test_a_line_of_progress_does_not_go_backward_where_a_search_needs_more_cases
 def test_the_progress_of_a_search_moves_beyond_its_forecast() -> None:
     """It may need many times as many machines: the bar does not stand at the end of its part."""
     shown: list[Progress] = []
-    part = PartJob(Job("design", None, False, shown.append), "fits", (0.5, 1.0), most=1600)
+    part = PartJob(Job("design", None, False, shown.append), "fits", (0.5, 1.0), limit=1600)
     for done, total in ((100, 200), (400, 420), (900, 920), (1600, 1600)):
         part(Progress(done, total, 1.0, "cases", total > 200))
     assert [one.share for one in shown] == pytest.approx([0.625, 0.75, 0.875, 1.0])

@@ -293,7 +293,7 @@ class DesignWork:
         if forecasts and "ranks" not in weights:  # needed if a derivative is not known
             weights["ranks"] = MACHINES * (self.machine_seconds or self.table_seconds)
         total, begin = sum(weights.values()) or 1.0, 0.0
-        most = 0 if self.allotment is None else most_machines(self.allotment[1])
+        machines = 0 if self.allotment is None else most_machines(self.allotment[1])
         work: dict[str, Callable[[Job], Any]] = {
             "sensitivity": self.sensitivities, "ranks": self.ranks, "fits": self.fits, "life": self.lives,
         }  # fmt: skip
@@ -303,7 +303,7 @@ class DesignWork:
                 if not complete:
                     raise KeyboardInterrupt
                 self.answers[name] = compute(
-                    PartJob(job, PARTS[name], (begin, end), most if name == "fits" else 0)
+                    PartJob(job, PARTS[name], (begin, end), machines if name == "fits" else 0)
                 )
                 complete = is_complete(self.answers[name])
             except KeyboardInterrupt:

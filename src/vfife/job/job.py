@@ -112,12 +112,12 @@ class Job:
 class PartJob(Job):
     """The job of a part of a longer one: its ``title``, and the ``share`` of the work before and after it.
 
-    ``most``: the largest number of items of a search that may need more than forecast; 0 for other work.
+    ``limit``: the largest number of items of a search that may need more than forecast; 0 for other work.
     """
 
-    def __init__(self, job: Job, title: str, share: tuple[float, float], most: int = 0) -> None:
+    def __init__(self, job: Job, title: str, share: tuple[float, float], limit: int = 0) -> None:
         super().__init__(job.caller, None, job.confirm, self.report)
-        self.job, self.title, self.share, self.most, self.done = job, title, share, most, 0
+        self.job, self.title, self.share, self.limit, self.done = job, title, share, limit, 0
 
     def begin(self, forecast: Forecast) -> None:
         """Raise VfifeError for hours of work, or half of the memory, without confirmation; the whole job has
@@ -141,7 +141,7 @@ class PartJob(Job):
         begin, end = self.share
         text = progress.text or f"{progress.done:,} of {progress.steps:,} steps"
         # A search may end after a few cases or need many times as many. The square root moves in both cases.
-        share = math.sqrt(progress.done / max(self.most, progress.steps)) if self.most else progress.share
+        share = math.sqrt(progress.done / max(self.limit, progress.steps)) if self.limit else progress.share
         # Its share stays where another part of the search counts from zero, instead of going backward.
         self.done = max(self.done, round(FINE * (begin + (end - begin) * share)))
         text = f"{self.title}: {text}"

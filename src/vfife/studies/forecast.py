@@ -237,19 +237,19 @@ def allotment_forecast(plan: Plan, task: Allotment, file: Path | None) -> Foreca
 def allotment_remark(task: Allotment, seconds: float) -> str:
     """Return a sentence on the machines of an allocation, each of which takes ``seconds`` on all cores."""
     choices = math.prod(map(len, task.options))
-    (smallest_count, largest_count), most = machine_counts(task), most_machines(task)
+    (smallest_count, largest_count), limit = machine_counts(task), most_machines(task)
     largest = f"{largest_count:,} ({span(largest_count * seconds)})"
     if task.table.search == ALL_CHOICES:
         return (
             f"{counted(choices, 'choice')} of fits: about {smallest_count:,} machines where the cheapest is"
             f" taken, {largest} where the dearest is, more where some are close to the limit,"
-            f" {most:,} ({span(most * seconds)}) at most."
+            f" {limit:,} ({span(limit * seconds)}) at most."
         )
     order = "" if task.table.search == SAME_FITS else ", then cheaper ones joint by joint"
     return (
         f"the same grades in all joints{order}: about {smallest_count:,} machines where none keeps the limit,"
-        f" {largest} where some do, more where some are close to the limit, {most:,}"
-        f" ({span(most * seconds)}) at most."
+        f" {largest} where some do, more where some are close to the limit, {limit:,}"
+        f" ({span(limit * seconds)}) at most."
     )
 
 
