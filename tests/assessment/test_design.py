@@ -12,12 +12,14 @@ from vfife.assessment import design_work as module
 from vfife.assessment import sample
 from vfife.assessment.answer import LIFE
 from vfife.errors import ModelError, VfifeError
+from vfife.job.amounts import span
 from vfife.job.cost import Forecast
 from vfife.job.job import Interrupted, Job, PartJob
 from vfife.modelfile import loads
 from vfife.report.design import document, turns_words
 from vfife.solvers.status import Progress
 from vfife.studies import allocate
+from vfife.studies.methods.allocation import machine_counts, most_machines
 
 WEAR = {"wear": 1e-15, "wear_turns": 1e5}
 BRIEF = {"share": 0.5, "turns": 1}
@@ -397,6 +399,42 @@ def test_a_line_of_progress_does_not_go_backward_where_a_search_needs_more_cases
     part(Progress(20, 24, 1.0, "20 of 24 cases", beyond_forecast=True))
     line(shown[-1])
     assert line.last == "fits: 20 of 24 cases"
+
+
+def test_the_progress_of_a_search_moves_beyond_its_forecast() -> None:
+    """It may need many times as many machines: the bar does not stand at the end of its part."""
+    shown: list[Progress] = []
+    part = PartJob(Job("design", None, False, shown.append), "fits", (0.5, 1.0), limit=1600)
+    for done, total in ((100, 200), (400, 420), (900, 920), (1600, 1600)):
+        part(Progress(done, total, 1.0, "cases", total > 200))
+    assert [one.share for one in shown] == pytest.approx([0.625, 0.75, 0.875, 1.0])
+
+
+def test_the_first_line_has_the_time_of_the_dearest_case() -> None:
+    """All choices close to the limit, the step halved, and ranks, which a sensitive motion needs."""
+    part = work(three_loose_pins(), cost=GRADES, turns=10)
+    part.nominal, part.nominal_range, part.machine_seconds = 1.0, (1.0, 1.0), 2.0
+    forecasts = part.forecast()
+    least, largest = machine_counts(part.allotment[1])
+    most = most_machines(part.allotment[1])
+    assert forecasts["fits"].ends == (2.0 * least, 2.0 * most) and least < largest < most
+    assert forecasts["fits"].ends[0] < forecasts["fits"].seconds < forecasts["fits"].ends[1]
+    total = module.total_forecast(forecasts, "", ranking=100.0)
+    assert total.ends is not None and total.ends[1] == pytest.approx(
+        100.0 + sum(forecast.longest for forecast in forecasts.values())
+    )
+    said = total.sentence(None)
+    assert f"{span(total.ends[0])} to {span(total.ends[1])} in the cheapest and the dearest case" in said
+    assert f"{most:,} ({span(2.0 * most)}) at most" in total.parts[-1]
+
+
+@pytest.mark.slow("the same answer")
+def test_no_effect_is_known_where_no_derivative_was_computed() -> None:
+    found = answer()
+    measure = found.measure
+    nothing = dataclasses.replace(found.sensitivity, derivatives=[], doubtful=frozenset({measure}))
+    (joint,) = dataclasses.replace(found, sensitivity=nothing).joints
+    assert found.joints[0].effect is not None and joint.effect is None
 
 
 @pytest.mark.slow("the same answer")

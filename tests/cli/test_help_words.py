@@ -65,6 +65,34 @@ def test_levels_of_sound_lead_to_the_page_on_noise(word: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("word", "kind", "name"),
+    [
+        ("film", "command", "animate"), ("motor", "key of a model", "driver.NAME.torque"),
+        ("motor curve", "key of a model", "driver.NAME.speeds"),
+        ("weight", "key of a model", "gravity"), ("weight", "key of a model", "body.NAME.mass"),
+        ("cam", "key of a model", "joint.NAME.points"),
+        ("bearing", "key of a model", "joint.NAME.bearing"), ("gear", "key of a model", "gear"),
+        ("shaft", "key of a model", "joint.NAME.journal"),
+    ],
+)  # fmt: skip
+def test_a_word_of_a_designer_finds_its_topic_first(word: str, kind: str, name: str, command) -> None:
+    """Among the first of its kind, in the table that the answer begins with, unless a model has the word."""
+    data = json.loads(command("help", word, "--json").stdout)
+    names = [topic["name"] for topic in data if topic["kind"] == kind]
+    assert name in names[:3]
+    text = command("help", word).stdout
+    assert f"vfife {name}" in text if kind == "command" else name in text
+    heads = [line.split("  ")[0].strip() for line in text.splitlines() if "what it is" in line]
+    assert heads[0].startswith((kind, topics.MODEL))
+
+
+def test_a_fit_of_iso_286_is_no_identification(command) -> None:
+    data = json.loads(command("help", "H7", "--json").stdout)
+    names = [topic["name"] for topic in data if topic["kind"] == "command"]
+    assert "fit" not in names and {"study allocate", "design"} <= {*names}
+
+
+@pytest.mark.parametrize(
     ("word", "names"),
     [("toggle", {"toggle_press", "williams_toggle"}), ("press", {"toggle_press", "six_bar_press"})],
 )

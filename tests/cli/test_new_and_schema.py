@@ -10,6 +10,7 @@ import pytest
 from choice import default_cases
 from cli.models import ROOT
 from cli.test_bad_input import refused
+from vfife import simulate
 from vfife.modelfile import dump, load, loads
 
 TEMPLATES = [
@@ -122,3 +123,17 @@ def test_a_typing_error_of_a_million_elements_is_told_within_two_seconds(
     assert "100,005 elements" in " ".join(done.stderr.split())
     assert "from 1 to 100000" in " ".join(done.stderr.split())
     assert "Traceback" not in done.stderr
+
+
+def test_lines_of_the_press_give_it_clearance_and_work(command: Callable) -> None:
+    """The lines that a user may take in make a valid model, whose force acts on the way forward alone."""
+    assert command("new", "six_bar_press", "-o", "press.toml").exit_code == 0
+    text = Path("press.toml").read_text(encoding="utf-8")
+    assert not loads(text).contacts and not loads(text).loads
+    lines = [line.removeprefix("#~ ") for line in text.splitlines()]
+    press = loads("\n".join(lines))
+    assert [(name, joint.clearance) for name, joint in press.contacts.items()] == [("E", 25e-6), ("F", 25e-6)]
+    work = press.loads["work"]
+    assert min(work.force) == -5000.0 and set(work.force_back) == {0.0}
+    low, high = simulate(loads(text)).measures["guide.position.low"], 0.1157
+    assert work.travels[0] < low < work.travels[1] and work.travels[-2] < high < work.travels[-1]

@@ -133,13 +133,50 @@ def test_measures_that_depend_on_the_time_step_are_marked(command, tmp_path):
     words = ("sensitivity", EXAMPLES / "four_bar_case_c.toml", *asked)
     done = command(*words, "--figure", "t.svg")
     assert done.exit_code == 0
-    assert "are meaningless" in done.stderr
+    assert "are meaningless, and none was computed" in done.stderr
+    assert "--companions 0 computes" in " ".join(done.stderr.split())
     assert "forecast: a run of " in done.stderr and "numbers, each checked by finite changes" in done.stderr
     lines = [line.split() for line in done.stdout.splitlines() if line.strip()]
     assert any((line[0], line[-1]) == ("coupler.angular_acceleration.max", "?") for line in lines)
     assert "depends" in (tmp_path / "t.svg").read_text() and "on the time step" in done.stdout
     rows = json.loads(command(*words, "--json").stdout)["rows"]
-    assert rows and all(row["meaningless"] for row in rows)
+    assert [(row["measure"], row["number"], row["kind"]) for row in rows] == [(asked[1], None, "unknown")]
+    assert rows[0]["meaningless"] and rows[0]["derivative"] is None and rows[0]["value"] > 0.0
+    forced = json.loads(command(*words, "--companions", 0, "--json").stdout)["rows"]
+    assert {row["number"] for row in forced} == {"body.coupler.mass", "body.follower.mass"}
+    assert all(math.isfinite(row["derivative"]) for row in forced)
+
+
+def test_no_derivative_is_computed_where_runs_with_other_steps_disagree_on_all_measures(monkeypatch):
+    """One measure on which they agree is enough to compute all."""
+    mechanism, measures = vfife.load_model(CRANK), ["pin.force.max", "O.force.max"]
+
+    def compute(*_, **__):
+        raise RuntimeError("computed")
+
+    monkeypatch.setattr(derivatives, "finite_changes", compute)
+    monkeypatch.setattr(derivatives, "doubtful", lambda _, names, __: frozenset(names))
+    answer = vfife.sensitivity(mechanism, measures, ["driver.*"], turns=1)
+    assert answer.undetermined and answer.complete and answer.doubtful == frozenset(measures)
+    assert {(row["measure"], row["number"]) for row in answer.rows()} == {(name, None) for name in measures}
+    monkeypatch.setattr(derivatives, "doubtful", lambda *_: frozenset(measures[:1]))
+    with pytest.raises(RuntimeError, match="computed"):
+        vfife.sensitivity(mechanism, measures, ["driver.*"], turns=1)
+
+
+def test_measures_are_of_the_part_that_the_run_states(command, tmp_path):
+    """Without a crank of constant speed they are of the whole run, as those of ``vfife run`` and ``vfife
+    info``.
+    """
+    gears = EXAMPLES / "gear_train.toml"
+    words = ("sensitivity", gears, "--of", "motor.angular_acceleration.max", "--to", "driver.curve.torque.0")
+    done = command(*words)
+    assert done.exit_code == 0 and "Measures belong to the whole run, in SI units." in done.stdout
+    part = json.loads(command(*words, "--json").stdout)["part"]
+    run = json.loads(command("run", gears, "-o", "gears", "--json", "--quiet").stdout)
+    assert part == run["part"] == "whole run"
+    crank = command("sensitivity", CRANK, "--of", "pin.force.max", "--to", "driver.*", "--turns", 1, "--json")
+    assert json.loads(crank.stdout)["part"] == "last turn"
 
 
 def test_measures_that_are_rounding_are_left_out_and_told(command):

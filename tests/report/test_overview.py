@@ -53,6 +53,42 @@ def test_it_fits_a_screen(name: str) -> None:
     assert len(lines) <= SCREEN, "\n".join(lines)
 
 
+def test_moments_of_joints_are_on_the_first_screen() -> None:
+    """Of gears and of a guide that holds a moment; no column where no joint has one."""
+    gears = vfife.simulate(gallery.gear_train())
+    table = joint_table(gears.summary)
+    moments = {row[0]: row[table.headings.index("moment")] for row in table.rows}
+    assert moments["first-stage"] == "3.626 N m" and moments["second-stage"] == "5.495 N m"
+    assert moments["motor"] == "" and len(text(gears.summary).splitlines()) <= SCREEN
+    yoke = joint_table(vfife.simulate(gallery.scotch_yoke(), turns=1).summary)
+    assert [row[-1] for row in yoke.rows if row[0] == "guide"] == ["9.870 N m"]
+    assert "moment" not in joint_table(vfife.simulate(gallery.slider_crank(), turns=1).summary).headings
+    assert "moment" not in joint_table(result().summary).headings
+
+
+def test_a_negligible_moment_is_not_on_the_first_screen() -> None:
+    summary = copy.deepcopy(vfife.simulate(gallery.gear_train()).summary)
+    summary["measures"]["first-stage.moment.max"] = 0.009 * summary["measures"]["second-stage.moment.max"]
+    assert [row[-1] for row in joint_table(summary).rows if row[0] == "first-stage"] == [""]
+
+
+def test_forces_between_teeth_are_not_modelled_and_the_answer_states_it() -> None:
+    """The bearings of a geared shaft carry no force here; the moment of a gear acts on its second wheel: with
+    the ratio it is the torque that the motor's shaft gives away.
+    """
+    run = vfife.simulate(gallery.gear_train())
+    said = " ".join(text(run.summary).split())
+    assert "Gears first-stage, second-stage couple angles by a moment M." in said
+    assert "bearings of geared shafts lack them. Estimate: F = M / r" in said
+    assert run.measures["motor.force.max"] == pytest.approx(0.0, abs=1e-9)
+    mechanism = gallery.gear_train()
+    (first, _), moment = mechanism.gears.values(), run.measures["first-stage.moment.max"]
+    inertia = run.record.assembly.bodies["motor"].inertia
+    torque = 2.0 - inertia * run.measures["motor.angular_acceleration.max"]  # N m at rest, from the file
+    assert abs(first.ratio) * moment == pytest.approx(torque, rel=1e-3)
+    assert "Gear" not in text(result().summary)
+
+
 def test_fewer_than_two_turns_are_cautioned_about() -> None:
     """Turns that were never compared may differ."""
     assert "fewer than two turns" in text(result().summary)

@@ -24,6 +24,7 @@ from ..laws.check import try_out
 from ..laws.law import built_in
 from ..model.geometry.polynomials import Polynomials
 from ..model.joints import Contact, Joint
+from ..model.joints.gear import gear_cautions
 from ..model.mechanism import Mechanism
 from ..model.surfaces import cautions, surfaces
 from ..model.validation.plausibility import contradictions
@@ -316,6 +317,7 @@ def finished(
     usual = shared_notes("surfaces", (mechanism.joints, *materials), lambda: cautions(mechanism))
     strange = shared_notes("loads", (mechanism.loads,), lambda: _load_cautions(mechanism))
     notes = usual + contradictions(mechanism) + strange + missed(mechanism, choice, layout, state)
+    notes += gear_cautions(mechanism.gears)
     if not choice.automatic:
         length = length_of(mechanism, request.turns, request.duration, choice.turn)
         notes += other_outputs(mechanism, choice, length)

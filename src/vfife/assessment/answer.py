@@ -196,7 +196,7 @@ class Design(NotebookDocument):
     def _effect(self, path: str, share: float) -> Effect | None:
         """Return the effect (%) of a growth of a number by a share of it, from that of 1 %."""
         answer = self.sensitivity
-        if answer is None or self.measure not in answer.measures:
+        if answer is None or self.measure not in answer.measures or answer.undetermined:
             return None
         if path in answer.refused or path not in (derivative.path for derivative in answer.derivatives):
             return Effect(path, "derivative", 0.0, 0.0, 0.0) if path not in answer.refused else None

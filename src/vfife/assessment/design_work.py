@@ -30,6 +30,8 @@ from ..studies.methods.allocation import (
     DESCENT,
     SAME_FITS,
     expected_machines,
+    machine_counts,
+    most_machines,
     options_of,
     read_allotment,
 )
@@ -137,6 +139,7 @@ class DesignWork:
     def __post_init__(self) -> None:
         arguments = Arguments("design")
         arguments.mechanism(self.mechanism)
+        arguments.kind("of", self.of, (str, type(None)), "the name of a measure, or None")
         arguments.check()
         refuse_unfit(self.mechanism)
         self.clearances, self.turns = clearances(self.mechanism), self.run_turns()
@@ -239,7 +242,9 @@ class DesignWork:
         if self.allotment is not None:
             task = self.allotment[1]
             count = expected_machines(task) + corner_count(len(self.letters))
-            parts["fits"] = machines(count, (allotment_remark(task, seconds),))
+            fits = machines(count, (allotment_remark(task, seconds),))
+            ends = min(machine_counts(task)) * seconds, most_machines(task) * seconds
+            parts["fits"] = dataclasses.replace(fits, ends=ends)
         if surfaces_of(self.wearing):
             turns, end = self.options["wear_turns"], self.end_of_life
             with suppress(VfifeError):  # it becomes the reason why lives are missing
@@ -261,7 +266,8 @@ class DesignWork:
             if NEAR_MACHINES * self.table_seconds < BRIEF * self.turns:
                 self.machine_seconds = self.timed_machine()
             forecasts = self.forecast()
-            job.begin(total_forecast(forecasts, self.remedy(forecasts)))
+            ranking = 0.0 if "ranks" in forecasts else MACHINES * (self.machine_seconds or self.table_seconds)
+            job.begin(total_forecast(forecasts, self.remedy(forecasts), ranking))
             if not brief:
                 self.run_nominal()
         except KeyboardInterrupt:
@@ -283,17 +289,22 @@ class DesignWork:
 
     def run_parts(self, job: Job, forecasts: Mapping[str, Forecast], complete: bool) -> None:
         """Compute the parts one after another, none after an interruption (not ``complete``)."""
-        total = sum(forecast.seconds for forecast in forecasts.values()) or 1.0
-        begin = 0.0
+        weights = {name: forecast.longest for name, forecast in forecasts.items()}
+        if forecasts and "ranks" not in weights:  # needed if a derivative is not known
+            weights["ranks"] = MACHINES * (self.machine_seconds or self.table_seconds)
+        total, begin = sum(weights.values()) or 1.0, 0.0
+        machines = 0 if self.allotment is None else most_machines(self.allotment[1])
         work: dict[str, Callable[[Job], Any]] = {
             "sensitivity": self.sensitivities, "ranks": self.ranks, "fits": self.fits, "life": self.lives,
         }  # fmt: skip
         for name, compute in work.items():
-            end = min(1.0, begin + (forecasts[name].seconds / total if name in forecasts else 0.0))
+            end = min(1.0, begin + weights.get(name, 0.0) / total)
             try:
                 if not complete:
                     raise KeyboardInterrupt
-                self.answers[name] = compute(PartJob(job, PARTS[name], (begin, end)))
+                self.answers[name] = compute(
+                    PartJob(job, PARTS[name], (begin, end), machines if name == "fits" else 0)
+                )
                 complete = is_complete(self.answers[name])
             except KeyboardInterrupt:
                 self.missing[name], complete = INTERRUPTED, False
@@ -463,13 +474,19 @@ def nearest_fit(mechanism: Mechanism, joint: str) -> str:
     return min(fits, key=lambda fit: abs(0.5 * sum(fit.limits) - clearance)).fit.name
 
 
-def total_forecast(parts: Mapping[str, Forecast], remedy: str) -> Forecast:
-    """Return the forecast of all parts, with what makes them shorter."""
+def total_forecast(parts: Mapping[str, Forecast], remedy: str, ranking: float = 0.0) -> Forecast:
+    """Return the forecast of all parts, with what makes them shorter; ``ranking``: time (s) of machines that
+    are run only if a derivative is not known.
+    """
     texts = [f"{PARTS[name]}: {span(forecast.seconds)}{forecast.note}." for name, forecast in parts.items()]
     texts += list(parts["fits"].remarks[-1:]) if "fits" in parts else []
     seconds = sum(forecast.seconds for forecast in parts.values())
+    shortest = sum(forecast.ends[0] if forecast.ends else forecast.seconds for forecast in parts.values())
+    longest = sum(forecast.longest for forecast in parts.values()) + ranking
+    ends = tuple(dict.fromkeys((span(shortest), span(longest))))
+    note = f", {' to '.join(ends)} in the cheapest and the dearest case" if len(ends) > 1 else ""
     return Forecast(
-        "part", len(parts), seconds=seconds,
+        "part", len(parts), seconds=seconds, note=note, ends=(shortest, longest),
         memory=max((forecast.memory for forecast in parts.values()), default=0.0),
         threads=max((forecast.threads for forecast in parts.values()), default=1),
         work=" and ".join(PARTS[name] for name in parts), parts=tuple(texts), remedy=remedy,

@@ -166,7 +166,7 @@ PURPOSES: dict[str, dict[str, Entry]] = {
     },
     "Show it": {
         "plot": Entry("runs.PlotOptions", "figures", "picture image curve png svg two runs overlay compare"),
-        "animate": Entry("runs.AnimateOptions", "a film", "animation video movie mp4 gif"),
+        "animate": Entry("runs.AnimateOptions", "a film", "film animation video movie mp4 gif"),
         "report": Entry("runs.ReportOptions", "a printable page", "PDF HTML document print manager"),
         "export": Entry(
             "runs.ExportOptions", "data files", "CSV excel spreadsheet matlab netcdf table pandas"

@@ -123,8 +123,9 @@ def fit(
     """
     arguments = Arguments("fit")
     arguments.mechanism(mechanism)
-    kinds = (str, os.PathLike, Record, Measured, list, tuple)
-    arguments.kind("data", data, kinds, "a CSV file, or a list of files")
+    kinds = (str, os.PathLike, Record, Measured)
+    for entry in data if isinstance(data, list | tuple) else [data]:
+        arguments.kind("data", entry, kinds, "a CSV file, or a list of files")
     arguments.callable("progress", progress)
     arguments.check()
     task = plan_fit(mechanism, data, parameters, **options)

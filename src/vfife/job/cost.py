@@ -90,7 +90,8 @@ class Forecast:
 
     ``seconds`` on this machine without other load, with ``threads`` of ``lanes``; bytes of ``memory`` and
     ``disk``. ``work`` describes the work instead of count and steps; ``remedy`` tells how to reduce it,
-    ``note`` what may increase it. ``disk_growth``: the largest size on disk over ``disk``.
+    ``note`` what may increase it. ``disk_growth``: the largest size on disk over ``disk``. ``ends``: the time
+    (s) in the cheapest and in the dearest case, where they differ.
     """
 
     noun: str
@@ -109,6 +110,12 @@ class Forecast:
     parts: tuple[str, ...] = ()
     first_look: float = math.inf  # s that a first look at the same takes
     disk_growth: float = 1.0
+    ends: tuple[float, float] | None = None
+
+    @property
+    def longest(self) -> float:
+        """Time (s) in the dearest case."""
+        return self.seconds if self.ends is None else self.ends[1]
 
     @property
     def most_disk(self) -> float:

@@ -9,6 +9,7 @@ or in a notebook.
 from __future__ import annotations
 
 import dataclasses
+import math
 import sys
 import time
 from collections.abc import Callable
@@ -109,11 +110,14 @@ class Job:
 
 
 class PartJob(Job):
-    """The job of a part of a longer one: its ``title``, and the ``share`` of the work before and after it."""
+    """The job of a part of a longer one: its ``title``, and the ``share`` of the work before and after it.
 
-    def __init__(self, job: Job, title: str, share: tuple[float, float]) -> None:
+    ``limit``: the largest number of items of a search that may need more than forecast; 0 for other work.
+    """
+
+    def __init__(self, job: Job, title: str, share: tuple[float, float], limit: int = 0) -> None:
         super().__init__(job.caller, None, job.confirm, self.report)
-        self.job, self.title, self.share, self.done = job, title, share, 0
+        self.job, self.title, self.share, self.limit, self.done = job, title, share, limit, 0
 
     def begin(self, forecast: Forecast) -> None:
         """Raise VfifeError for hours of work, or half of the memory, without confirmation; the whole job has
@@ -136,8 +140,10 @@ class PartJob(Job):
         """Show the progress of the part as that of the whole."""
         begin, end = self.share
         text = progress.text or f"{progress.done:,} of {progress.steps:,} steps"
-        # A search may need more cases than forecast: its share stays, instead of going backward.
-        self.done = max(self.done, round(FINE * (begin + (end - begin) * progress.share)))
+        # A search may end after a few cases or need many times as many. The square root moves in both cases.
+        share = math.sqrt(progress.done / max(self.limit, progress.steps)) if self.limit else progress.share
+        # Its share stays where another part of the search counts from zero, instead of going backward.
+        self.done = max(self.done, round(FINE * (begin + (end - begin) * share)))
         text = f"{self.title}: {text}"
         self.job(Progress(self.done, FINE, progress.seconds, text, progress.beyond_forecast))
 

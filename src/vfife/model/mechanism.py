@@ -201,7 +201,12 @@ class Mechanism(Builders):
         key="driver",
     )
     loads: dict[str, Load] = described(Entries(Load), "loads by name", factory=dict, key="load")
-    gears: dict[str, Gear] = described(Entries(Gear), "gears and belts by name", factory=dict, key="gear")
+    gears: dict[str, Gear] = described(
+        Entries(Gear),
+        "gears and belts by name: they carry moments, forces between teeth are not modelled",
+        factory=dict,
+        key="gear",
+    )
     springs: dict[str, AnySpring] = described(
         Entries(ForceElement), "springs, dampers, stops and bushings by name", factory=dict, key="spring"
     )

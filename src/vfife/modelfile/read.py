@@ -103,8 +103,8 @@ def load(path: str | FilePath, overrides: Mapping[str, Any] | None = None, *, se
     if not isinstance(values, Mapping) or not all(isinstance(key, str) for key in values):
         fault = value_fault(values, "values by path", 'give them as in {"joint.C.clearance": "0.5 mm"}')
         raise ModelError([fault.at("overrides")], "load()")
-    text = text_of(path)
-    return of_tables(raw_of(text, str(path), "model"), [*values.items(), *set], str(path), text)
+    pairs, text = [*values.items(), *pairs_of(set)], text_of(path)
+    return of_tables(raw_of(text, str(path), "model"), pairs, str(path), text)
 
 
 @with_faults()
@@ -154,11 +154,25 @@ def loads(text: str, set: Items = (), *, file: str | None = None) -> Mechanism:
     return of_tables(raw_of(text, file or "model"), set, file, text)
 
 
+def pairs_of(items: Any) -> list[tuple[str, Any]]:
+    """Return values by path as pairs. Raises ModelError for anything else, also for a mapping."""
+    pairs: list[Any] = list(items) if isinstance(items, Iterable) else [None]
+    if isinstance(items, str | bytes | Mapping) or not all(map(is_pair, pairs)):
+        remedy = 'give them as in [("joint.C.clearance", "0.5 mm")], or use load(path, {...})'
+        raise ModelError([value_fault(items, "pairs of a path and a value", remedy).at("set")], "load()")
+    return pairs
+
+
+def is_pair(item: Any) -> bool:
+    """Return whether an item is a pair of a path and a value."""
+    return isinstance(item, tuple | list) and len(item) == 2 and isinstance(item[0], str)
+
+
 def of_tables(raw: Raw, set: Items = (), file: str | None = None, text: str = "") -> Mechanism:
     """Return the mechanism of a model file's tables, in which the values of ``set`` are put; faults have
     their lines in the ``text``. See :func:`load`.
     """
-    faults, paths_set = override(raw, set)
+    faults, paths_set = override(raw, pairs_of(set))
     broken = expand(raw, file)
     reader = Written(raw, paths_set)
     mechanism = reader.mechanism()

@@ -13,6 +13,7 @@ from ..solvers.status import Status
 from ..units import in_rpm
 from . import dead_centres
 from .digits import (
+    ABOUT_ZERO,
     CERTAIN,
     RADIAL,
     SCATTER,
@@ -64,6 +65,7 @@ CORNER = re.compile(r"\.(\d)\.")  # of a block in a guide, as a part of the name
 PREFIXES_OF = ("m", "N", "N m")  # units with a prefix in sentences, as in the table
 ROUNDING = 1e-6  # of the largest torque: a smaller mean is rounding
 FAILURES = (Status.DIVERGED, Status.ENERGY, Status.NOT_CONVERGED)
+TWO_TURNS = 2.0 - 1e-9  # a run of two turns ends by rounding just before
 MOST_JOINTS, MOST_CAUTIONS, MOST_EXCEPTIONS, MOST_FACTORS = 8, 4, 3, 3
 
 
@@ -74,7 +76,7 @@ def overview(summary: Json) -> Document:
     """
     if summary["run"].get("analysis") == "static":
         return document(summary, MOST_FACTORS)
-    parts: list[Part] = [Paragraph(_heading(summary), style="strong")]
+    parts: list[Part] = [Paragraph(heading_sentence(summary), style="strong")]
     parts += paragraphs([certainty(summary)], style="alarm" if uncertain(summary) else "good")
     table = joint_table(summary)
     parts += [table] if table.rows else []
@@ -88,7 +90,8 @@ def overview(summary: Json) -> Document:
     return Document(parts, data=summary)
 
 
-def _heading(summary: Json) -> str:
+def heading_sentence(summary: Json) -> str:
+    """Return the model, its speeds, the length of the run and the part that values are of."""
     run = summary["run"]
     speeds = [in_rpm(abs(speed)) for speed in run.get("speeds", {}).values()]
     turns = [f"{run['turns']:.4g} turn{'s' * (run['turns'] != 1.0)}"] if run["turns"] is not None else []
@@ -228,11 +231,14 @@ def joint_table(summary: Json) -> Table:
     """Return the forces against the ideal mechanism, knocks, friction and pressure of each joint; empty
     columns are left out.
     """
-    heads = ("joint", "ideal", "force", "turns", "change", "knocks", "friction", "pressure", "penetration")
-    shown = _shown_joints(summary)
-    rows = [_joint_row(summary, name) for name in shown]
-    if any(row[7] for row in rows):  # a pressure says what a penetration says
-        rows = [row[:8] for row in rows]
+    heads = (
+        "joint", "ideal", "force", "turns", "change", "moment", "knocks", "friction", "pressure",
+        "penetration",
+    )  # fmt: skip
+    shown, moments = _shown_joints(summary), moment_texts(summary)
+    rows = [_joint_row(summary, name, moments.get(name, "")) for name in shown]
+    if any(row[8] for row in rows):  # a pressure says what a penetration says
+        rows = [row[:9] for row in rows]
     used = [k for k in range(len(rows[0]) if rows else 0) if any(row[k] for row in rows)]
     table = [tuple(row[k] for k in used) for row in rows]
     if left := len(summary["joints"]) - len(shown):
@@ -269,7 +275,7 @@ def _shown_joints(summary: Json) -> list[str]:
     return sorted(list(first)[:MOST_JOINTS], key=names.index)
 
 
-def _joint_row(summary: Json, name: str) -> tuple[str, ...]:
+def _joint_row(summary: Json, name: str, moment: str) -> tuple[str, ...]:
     joint, measure = summary["joints"][name], f"{name}.force.max"
     clearance = joint.get("clearance")
     label = f"{name} {prefixed(clearance, 'm')}" if clearance else name
@@ -285,6 +291,7 @@ def _joint_row(summary: Json, name: str) -> tuple[str, ...]:
         turns_text(summary, measure, "N", CERTAIN),
         # One screen has no room for ranges in these two columns: --long shows them.
         percent(summary["lip"].get(f"{name}.force"), uncertainty(summary, f"{name}.force.lip")),
+        moment,
         knock,
         NOT_COMPUTED if lacks_friction(summary, name) else power,
         largest_text(summary, pressures, "Pa", WIDE) if pressures else "",
@@ -311,14 +318,26 @@ def lacks_friction(summary: Json, name: str) -> bool:
     return any(powers) and loaded and f"{name}.friction_power.mean" not in measures
 
 
-def force_text(summary: Json, name: str) -> str:
-    """Return a force, as a range where it is uncertain; with the same digits wherever an answer has it."""
+def force_text(summary: Json, name: str, unit: str = "N") -> str:
+    """Return a force or a moment, as a range where it is uncertain; with the same digits wherever an answer
+    has it.
+    """
     value, width = summary["measures"][name], uncertainty(summary, name)
     bounds = summary["ranges"].get(name)
     exact = bounds is None or width <= CERTAIN * abs(value) or not is_estimated(summary, name)
     if exact or is_about_zero(summary, name) or is_undetermined(summary, name):
-        return measure_text(summary, name, "N")
-    return interval(bounds["low"], bounds["high"], "N", width)
+        return measure_text(summary, name, unit)
+    return interval(bounds["low"], bounds["high"], unit, width)
+
+
+def moment_texts(summary: Json) -> dict[str, str]:
+    """Return the moments of joints that are above :data:`NEGLIGIBLE` of the largest moment or torque."""
+    sizes = {name: abs(value) for name, value in summary["measures"].items() if name.endswith(DECISIVE[1:])}
+    limit = NEGLIGIBLE * max(sizes.values(), default=0.0)
+    names = {joint: f"{joint}.moment.max" for joint in summary["joints"]}
+    large = {joint: name for joint, name in names.items() if sizes.get(name, 0.0) > limit}
+    texts = {joint: force_text(summary, name, "N m") for joint, name in large.items()}
+    return {joint: text for joint, text in texts.items() if text != ABOUT_ZERO}
 
 
 # ------------------------------------------------------------------------------------------ machine and noise
@@ -457,9 +476,6 @@ def settling_options(count: int) -> str:
     return f"--turns {10 * max(count, 4)} --settle 1%"
 
 
-TWO_TURNS = 2.0 - 1e-9  # a run of two turns ends by rounding just before
-
-
 def cautions(summary: Json) -> Iterator[str]:
     """Yield the sentences of caution, the gravest first: about the run, its turns, its laws, its notes."""
     leading = verdict(summary)
@@ -471,7 +487,7 @@ def cautions(summary: Json) -> Iterator[str]:
             f"The turns do not repeat yet ({distance} apart): run it with {settling_options(turns['count'])}."
         )
     elif (
-        summary["contacts"] and summary["run"].get("steady") and (summary["run"]["turns"] or 0.0) < 2.0 - 1e-9
+        summary["contacts"] and summary["run"].get("steady") and (summary["run"]["turns"] or 0.0) < TWO_TURNS
     ):
         yield (
             "The run has fewer than two turns, so whether turns repeat is not known, and later ones may have"

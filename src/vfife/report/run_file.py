@@ -1,9 +1,9 @@
-"""Documents of a run file: its contents, and the hardest impacts of its run."""
+"""Documents of a run file: its contents, the hardest impacts of its run, and the forces of several runs."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from ..errors import VfifeError
@@ -12,12 +12,25 @@ from ..measures.stops import stop_sentence
 from ..numerics.outward import significant_range
 from ..solvers.status import Status
 from . import dead_centres
-from .digits import Json, plain_number, range_text, turns_text
+from .digits import (
+    Json,
+    interval,
+    is_about_zero,
+    is_estimated,
+    is_undetermined,
+    percent,
+    plain_number,
+    range_text,
+    turns_text,
+)
 from .document import Caution, Document, Facts, Paragraph, Part, Table, grouped
-from .overview import overview
+from .overview import certainty, force_text, heading_sentence, moment_texts, overview
 
 if TYPE_CHECKING:
     from ..measures.contacts import Impact, Impacts
+
+WIDE = 2.0  # per cent: a change that is known less well is shown as a range
+OVERLAP = "ranges overlap"  # instead of a change that may be an error of the steps
 
 
 def info(contents: Json, measures: bool = False) -> Document:
@@ -196,3 +209,88 @@ def _span(since: float, until: float, places: int) -> str:
     """Return the interval of an onset; the one number of a contact that is closed at the start."""
     first, last = f"{since:.{places}f}", f"{until:.{places}f}"
     return last if since == until else f"{first} to {last}"
+
+
+def side_by_side(summaries: Mapping[str, Json]) -> Document:
+    """Return a table of the largest force of each joint in several runs, and of moments that are not
+    negligible.
+
+    ``summaries`` are those of :func:`vfife.report.summary.run_summary` by the name of the run. With two runs
+    the last column is the change from the first to the second, unless the ranges of both overlap. Raises
+    VfifeError for a static analysis.
+    """
+    if static := [name for name, summary in summaries.items() if summary["run"].get("analysis") == "static"]:
+        raise VfifeError(f"{static[0]} is a static analysis, which has no largest forces; name it by itself")
+    names = list(summaries)
+    joints = list(dict.fromkeys(joint for summary in summaries.values() for joint in summary["joints"]))
+    moments = {joint for summary in summaries.values() for joint in moment_texts(summary)}
+    rows = [_row(summaries, joint, f"{joint}.force.max", "N", joint) for joint in joints]
+    rows += [
+        _row(summaries, joint, f"{joint}.moment.max", "N m", f"{joint}, moment")
+        for joint in joints
+        if joint in moments
+    ]
+    heads = ("joint", *names, *["change"] * (len(names) == 2))
+    table = Table(heads, rows, "Largest forces", numbers=range(1, len(heads)), names=(0,))
+    facts = [
+        (label if k == 0 else "", text)
+        for label, summary in summaries.items()
+        for k, text in enumerate((heading_sentence(summary), certainty(summary)))
+    ]
+    parts: list[Part] = [Facts(facts), table]
+    parts.append(
+        Paragraph(
+            f"Cautions: vfife info {names[0]}. Figures of these runs in one: vfife plot {' '.join(names)}"
+        )
+    )
+    return Document(parts, data={"runs": {name: _data(summary) for name, summary in summaries.items()}})
+
+
+def _row(summaries: Mapping[str, Json], joint: str, measure: str, unit: str, label: str) -> tuple[str, ...]:
+    """Return the label of a row, the measure in each run, and of two runs its change."""
+    present = [summary for summary in summaries.values() if measure in summary["measures"]]
+    cells = [
+        force_text(summary, measure, unit) if measure in summary["measures"] else "-"
+        for summary in summaries.values()
+    ]
+    if len(summaries) == 2:
+        cells.append(change_text(present, measure) if len(present) == 2 else "")
+    return label, *cells
+
+
+def change_text(summaries: Sequence[Json], measure: str) -> str:
+    """Return by how much a measure of the second of two runs differs from that of the first, in per cent."""
+    old, new = (float(summary["measures"][measure]) for summary in summaries)
+    if any(is_about_zero(s, measure) or is_undetermined(s, measure) for s in summaries) or not old:
+        return ""
+    if not all(is_estimated(summary, measure) for summary in summaries):
+        return percent(100.0 * (new - old) / abs(old))
+    (low, high), (lowest, highest) = (_ends(summary, measure) for summary in summaries)
+    if old != new and low <= highest and lowest <= high:
+        return OVERLAP
+    bottom, top = 100.0 * (lowest - high) / abs(old), 100.0 * (highest - low) / abs(old)
+    if top - bottom > WIDE:
+        return interval(bottom, top, "%", top - bottom)
+    return percent(100.0 * (new - old) / abs(old), top - bottom)
+
+
+def _ends(summary: Json, measure: str) -> tuple[float, float]:
+    """Return the lowest and highest value of a measure: its range, or its value if it has none."""
+    value = summary["measures"][measure]
+    bounds = (summary.get("ranges") or {}).get(measure, {})
+    return float(bounds.get("low", value)), float(bounds.get("high", value))
+
+
+def _data(summary: Json) -> Json:
+    """Return model, part and, for each joint, force (N) and moment (N m) with their ranges."""
+    names = [f"{joint}.{kind}.max" for joint in summary["joints"] for kind in ("force", "moment")]
+    return {
+        "model": summary["model"]["name"],
+        "part": summary["part"],
+        "measures": {
+            name: {"value": summary["measures"][name]}
+            | dict(zip(("low", "high"), _ends(summary, name), strict=True))
+            for name in names
+            if name in summary["measures"]
+        },
+    }

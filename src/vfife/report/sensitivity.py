@@ -25,6 +25,11 @@ COMPARED = (  # numbers of a comparison: key, head, factor to the unit of the he
     ("lip_acceleration", "LIP(a), %", 1.0, ".4g"), ("penetration", "deepest, µm", 1e6, ".4g"),
     ("impacts", "impacts", 1, ","), ("contact_share", "contact, %", 100.0, ".3g"),
 )  # fmt: skip
+# Remedies where no derivative was computed.
+REMEDIES = (
+    " More turns (--turns), vfife study over a range, or vfife design may answer; --companions 0 computes the"
+    " derivatives of the run alone."
+)
 NOTES = {
     "change": "* change for 1 %: the derivative does not describe it.",
     "unknown": (
@@ -72,9 +77,11 @@ def _caveats(result: Sensitivity) -> list[str]:
             "interrupted: numbers are missing, and no derivative is checked by finite changes or other steps."
         )
     if result.doubtful:
+        omitted, remedies = (", and none was computed", REMEDIES) if result.undetermined else ("", "")
         texts.append(
             f"runs with other time steps disagree on {', '.join(sorted(result.doubtful))}: derivatives of"
-            " these are meaningless. A smaller --step may help, unless the motion is chaotic."
+            f" these are meaningless{omitted}. A smaller --step may help, unless the motion is"
+            f" chaotic.{remedies}"
         )
     if result.rounding:
         texts.append(

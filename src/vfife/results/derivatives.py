@@ -12,6 +12,11 @@ from ..files import DataTable
 # "derivative": finite changes agree with it. "change": they do not, and the change for one per cent is known.
 # "unknown": neither is.
 Kind = Literal["derivative", "change", "unknown"]
+# Heads of the rows of a table of derivatives.
+HEADS = (
+    "measure", "value", "number", "model", "derivative", "elasticity", "from", "to", "meaningless", "kind",
+    "change", "change_from", "change_to",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -188,9 +193,21 @@ class Sensitivity(DataTable):
 
     def rows(self) -> list[dict[str, str | float | bool | None]]:
         """Return a map for every measure and number, in the order of :meth:`ranked`, for tables. What was not
-        computed is None; "meaningless" and "kind" mark what is not known.
+        computed is None; "meaningless" and "kind" mark what is not known. A measure without any derivative,
+        because runs with other time steps disagree on it, has one row without a number.
         """
-        return [self._row(measure, path) for measure in self.measures for path, _ in self.ranked(measure)]
+        rows = []
+        for measure, value in self.measures.items():
+            rows += [self._row(measure, path) for path, _ in self.ranked(measure)]
+            if self.undetermined:
+                unknown = {"measure": measure, "value": value, "meaningless": True, "kind": "unknown"}
+                rows.append(dict.fromkeys(HEADS) | unknown)
+        return rows
+
+    @property
+    def undetermined(self) -> bool:
+        """Whether no derivative was computed, because runs with other time steps disagree on all measures."""
+        return self.complete and not self.derivatives and bool(self.measures.keys() & self.doubtful)
 
     def _row(self, measure: str, path: str) -> dict[str, str | float | bool | None]:
         low, high = self.span(measure, path)
@@ -208,16 +225,5 @@ class Sensitivity(DataTable):
 
     def table(self) -> Iterator[Sequence[Any]]:
         """Yield :meth:`rows` as heads and rows."""
-        former = [
-            "measure",
-            "value",
-            "number",
-            "model",
-            "derivative",
-            "elasticity",
-            "from",
-            "to",
-            "meaningless",
-        ]
-        yield [*former, "kind", "change", "change_from", "change_to"]
+        yield HEADS
         yield from (list(row.values()) for row in self.rows())

@@ -30,7 +30,14 @@ from .engine.cases import run_cases
 from .engine.lanes import streams
 from .engine.step_trials import trials_cost
 from .engine.study_engine import RATIO
-from .methods.allocation import ALL_CHOICES, SAME_FITS, Allotment, expected_machines, machine_counts
+from .methods.allocation import (
+    ALL_CHOICES,
+    SAME_FITS,
+    Allotment,
+    expected_machines,
+    machine_counts,
+    most_machines,
+)
 from .methods.derivatives import DISPLACED, TANGENT
 from .methods.local_search import derivatives_impossible
 from .methods.optimise import Search
@@ -229,19 +236,20 @@ def allotment_forecast(plan: Plan, task: Allotment, file: Path | None) -> Foreca
 
 def allotment_remark(task: Allotment, seconds: float) -> str:
     """Return a sentence on the machines of an allocation, each of which takes ``seconds`` on all cores."""
-    machines, choices = task.table.count or task.table.least_count, math.prod(map(len, task.options))
-    smallest_count, largest_count = machine_counts(task)
+    choices = math.prod(map(len, task.options))
+    (smallest_count, largest_count), limit = machine_counts(task), most_machines(task)
     largest = f"{largest_count:,} ({span(largest_count * seconds)})"
     if task.table.search == ALL_CHOICES:
         return (
             f"{counted(choices, 'choice')} of fits: about {smallest_count:,} machines where the cheapest is"
             f" taken, {largest} where the dearest is, more where some are close to the limit,"
-            f" {machines * choices:,} at most."
+            f" {limit:,} ({span(limit * seconds)}) at most."
         )
     order = "" if task.table.search == SAME_FITS else ", then cheaper ones joint by joint"
     return (
         f"the same grades in all joints{order}: about {smallest_count:,} machines where none keeps the limit,"
-        f" {largest} where some do, more where some are close to the limit."
+        f" {largest} where some do, more where some are close to the limit, {limit:,}"
+        f" ({span(limit * seconds)}) at most."
     )
 
 

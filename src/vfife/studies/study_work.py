@@ -220,7 +220,8 @@ def tables_of(model: Any, vary: Any, measures: Any, keys: Mapping[str, Any], cal
         limit, remedy = "a Mechanism, or a model file", "make one, or name a file"
         raise ModelError([Fault("model", f"this is {kind_of(model)}", shown(model), limit, remedy)], caller)
     base = model if isinstance(model, Mechanism) else load(Path(model))
-    names = [measures] if isinstance(measures, str) else None if measures is None else list(measures)
+    names = list(measures) if isinstance(measures, Iterable) and not isinstance(measures, str) else measures
+    names = [names] if isinstance(names, str) else names
     raw = plain_tables({"measures": names, "vary": dict(vary) if isinstance(vary, Mapping) else vary, **keys})
     return StudyTables(raw, caller, base=base)
 

@@ -13,6 +13,7 @@ import dataclasses
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
+from numbers import Real
 from pathlib import Path
 from typing import Any, TypedDict, Unpack
 
@@ -32,6 +33,7 @@ from ..model.mechanism import Mechanism
 from ..modelfile import dump
 from ..options import with_faults, with_options
 from ..simulation.turn_steps import step_count
+from ..solvers.arguments import Arguments
 from ..solvers.interrupts import Interrupts
 from ..solvers.record import Record
 from ..solvers.status import Progress
@@ -111,6 +113,10 @@ def wear(
     wear; after Ctrl-C as far as it is complete. Raises ModelError for a mechanism whose wear cannot be
     simulated, HeldError if another process writes the file.
     """
+    arguments = Arguments("wear")
+    arguments.mechanism(mechanism)
+    arguments.kind("turns", turns, (Real,), "a number above 0")
+    arguments.check()
     mechanism = with_wear(mechanism, wear, "wear()")
     spec = WearSpec(dump(mechanism), float(turns), **options)
     surfaces = wearing_surfaces(mechanism, spec)

@@ -108,9 +108,14 @@ class CompareOptions(
     force: bool = flag("--force", "Replace an existing comparison.")
 
 
-class InfoOptions(RunOptions, JsonOptions, function="result.info"):
-    """Show the answer of a run again and the contents of its file, even if the run was interrupted."""
+class InfoOptions(JsonOptions, function="result.info"):
+    """Show the answer of a run again and the contents of its file, even if the run was interrupted.
 
+    Several runs share one table of the forces in their joints, of two runs with the change: vfife info NEW
+    WORN.
+    """
+
+    runs: list[Path] = argument("Run folder, or the run file in it; several are compared.", "RUN...")
     long: bool = flag("--long", "Print the tables of the run.")
     measures: bool = flag("--measures", "Print every measure and law instead of the answer.")
     check: bool = flag("--check", "Read every output of a large file as well, and report damage.")

@@ -144,10 +144,11 @@ class SensitivityOptions(
     checked with finite changes.
 
     The table shows elasticities: the change of a measure in per cent if a number changes by one per cent.
-    Measures belong to the last turn. The command also changes each number by 1 % and 0.1 % in both directions
-    and repeats everything with steps 1.4, 1.7 and 2 times as long. The range of an elasticity covers the
-    differences between these runs. If finite changes contradict the derivative, the table shows the change
-    for 1 % and its range instead; if the sign is uncertain, a question mark.
+    Measures belong to the last turn, or to the whole run if no crank turns at constant speed. The command
+    also changes each number by 1 % and 0.1 % in both directions and repeats everything with steps 1.4, 1.7
+    and 2 times as long. The range of an elasticity covers the differences between these runs. If finite
+    changes contradict the derivative, the table shows the change for 1 % and its range instead; if the sign
+    is uncertain, a question mark.
     """
 
     of: list[str] | None = option(

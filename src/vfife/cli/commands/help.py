@@ -7,7 +7,7 @@ import json
 import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -101,6 +101,14 @@ KEY_WORDS = {
     "reverse": "top bottom dead centre center tdc bdc",
     "bore": "cylinder piston diameter",
     "clearance": "fit ISO 286",
+    "driver": "motor drive actuator",
+    "torque": "motor",
+    "speeds": "motor curve characteristic",
+    "bearing": "bush housing",
+    "journal": "shaft pin",
+    "gravity": "weight",
+    "mass": "weight",
+    "points": "cam groove",
 }
 # Endings of measures by the words that find them.
 MEASURE_WORDS = {
@@ -248,7 +256,12 @@ def keys() -> Iterator[Topic]:
             yield Topic(KEY, ".".join((*path, key)), text, KEY_WORDS.get(key, ""))
             yield from inside(value, (*path, key), behind)
 
-    yield from {topic.name: topic for topic in inside(root, (), ())}.values()
+    merged: dict[str, Topic] = {}  # kinds of drivers, joints or loads may have keys of one name
+    for topic in inside(root, (), ()):
+        former = merged.get(topic.name, topic).text
+        text = former if topic.text in former else f"{former}; {topic.text}"
+        merged[topic.name] = replace(topic, text=text)
+    yield from merged.values()
 
 
 def models() -> Iterator[Topic]:
@@ -307,7 +320,7 @@ def help_(options: HelpOptions) -> None:
         }
         answer(Document([purposes()], data=data), options.as_json)
         return
-    for query in dict.fromkeys((text, FIT.sub("fit", text), in_english(text))):
+    for query in dict.fromkeys((text, FIT.sub("ISO 286 fit", text), in_english(text))):
         if hits := search(query):
             answer(document(query, hits), options.as_json)
             return

@@ -45,12 +45,21 @@ if TYPE_CHECKING:
 
 def info(options: InfoOptions) -> None:
     """Run ``vfife info``."""
-    if options.long and not options.as_json:
-        answer(document(load(options.run).summary))
+    run = options.runs[0]
+    if len(options.runs) > 1:
+        if names := [f"--{name}" for name in ("long", "measures", "check") if getattr(options, name)]:
+            fail(f"{', '.join(names)}: this is of one run, and {len(options.runs)} are named; leave it out")
+        labels = [str(path) for path in options.runs]
+        summaries = {label: load(Path(label)).summary for label in dict.fromkeys(labels)}
+        with sentences(", ".join(labels)):
+            answer(run_file.side_by_side(summaries), options.as_json)
         return
-    ACTIVITY(f"reading {options.run}")
-    with sentences(str(options.run)):
-        data = contents(options.run, options.check)
+    if options.long and not options.as_json:
+        answer(document(load(run).summary))
+        return
+    ACTIVITY(f"reading {run}")
+    with sentences(str(run)):
+        data = contents(run, options.check)
     remedy = "Run the model again, or use a backup of the file."
     warn_of_damage(Path(data["file"]), "run", tuple(data["damage"]), remedy)
     answer(run_file.info(data, options.measures), options.as_json)

@@ -1,5 +1,6 @@
 """Gears and belts."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,9 @@ class Gear:
     for belts and internal gears. Angles are relative to the ``carrier``, the body on which both wheels turn
     (Willis), which takes the remaining moment. By default the carrier follows from the pins of the wheels:
     the arm of a planet, else the ground. One of the two bodies may be the ground: a fixed sun or ring.
+
+    A gear carries a moment and no force: forces between teeth, and pulls of a belt, are not modelled, and the
+    forces of the joints of its wheels lack them. ``moment.max`` is that on ``second``.
     """
 
     name: str
@@ -66,3 +70,16 @@ class Gear:
             return [*strokes, Curve(np.zeros((0, 2)), width=1.4, dashes="-.", sign="gears, pitch circles")]
         belt = [Curve(tangent(first, second, side), "grey", 1.4, 4.0) for side in (1.0, -1.0)]
         return [*strokes, *belt, Curve(np.zeros((0, 2)), width=1.4, sign="wheels with a belt")]
+
+
+def gear_cautions(gears: Iterable[str]) -> tuple[str, ...]:
+    """Return a sentence on the forces that gears, by name, do not have; none without gears."""
+    names = list(gears)
+    if not names:
+        return ()
+    word = f"Gear {names[0]} couples" if len(names) == 1 else f"Gears {', '.join(names)} couple"
+    return (
+        f"{word} angles by a moment M. Forces between teeth, or of a belt, are not modelled: the forces in"
+        " the bearings of geared shafts lack them. Estimate: F = M / r, where r is the pitch radius of the"
+        " second wheel.",
+    )

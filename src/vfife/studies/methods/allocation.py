@@ -451,6 +451,15 @@ def expected_machines(task: Allotment) -> int:
     return round(math.sqrt(math.prod(machine_counts(task))))
 
 
+def most_machines(task: Allotment) -> int:
+    """Return how many machines are simulated if all choices that are tried are close to the limit."""
+    machines = task.table.count or task.table.least_count
+    if task.table.search == ALL_CHOICES:
+        return machines * math.prod(map(len, task.options))
+    descents = sum(len(options) - 1 for options in task.options) if task.table.search == DESCENT else 0
+    return machines * (max(map(len, task.options)) + descents)
+
+
 def fewest_machines(machines: int, choices: int, batch: int) -> int:
     """Return how many machines are simulated where the cheapest of all choices is taken: batches in which it
     has 8, 8, 16, 32 ... machines, and others have the rest.

@@ -34,6 +34,7 @@ from ...measures.catalogue import (
     over_turn,
 )
 from ...measures.error_ranges import over_tries, ranged
+from ...measures.repetition import part_of
 from ...measures.turns import last_turn
 from ...model.mechanism import Mechanism
 from ...modelfile import dump
@@ -103,7 +104,8 @@ def sensitivity(
     accelerations
     to: patterns of paths of numbers, as ``"joint.C.*"``; by default all but the points of tables
     turns, duration, step, force_step: the run, as of :func:`~vfife.simulate`; its measures are of the last
-    turn. With a duration there are no derivatives by numbers that change the time of a turn
+    turn, or of the whole run if no crank turns at constant speed. With a duration there are no derivatives by
+    numbers that change the time of a turn
     companions: as of :func:`~vfife.simulate`; with 0 the derivatives are those of the run alone
     runs: number of runs with displaced steps over which derivatives are averaged with contact, two by default
     progress: called with the progress of the run and of the derivatives
@@ -112,8 +114,9 @@ def sensitivity(
     The place of an onset or of a reversal of friction within its step leaves each derivative an error of
     first order in the step: with contact the derivative is therefore a mean over displaced runs, with their
     range. Numbers that are zero in the model, and those that nothing depends on, are left out. Derivatives of
-    a measure on which the companions of the run disagree mean nothing, and are marked. Measures relative to
-    the ideal mechanism take its derivatives into account.
+    a measure on which the companions of the run disagree mean nothing, and are marked; if they disagree on
+    every measure, no derivative is computed. Measures relative to the ideal mechanism take its derivatives
+    into account.
 
     Returns the derivatives and elasticities. Raises ModelError for patterns that fit nothing, VfifeError for
     a run that diverges, :class:`~vfife.Interrupted` on Ctrl-C, with the derivatives so far, unchecked, and
@@ -121,14 +124,13 @@ def sensitivity(
     """
     arguments, runs = Arguments("sensitivity"), options["runs"]
     arguments.mechanism(mechanism)
-    arguments.kind("to", to, (str, Sequence), "paths, or patterns of paths")
+    of = None if of is None else arguments.names("of", of)
+    to = arguments.names("to", to)
     run_arguments = arguments.run(**{name: options.get(name) for name in Length.__annotations__})
     if arguments.count("runs", runs) is not None and runs is not None and runs > MOST_RUNS:
         limit = f"a whole number from 1 to {MOST_RUNS}"
         arguments.fault("runs", "more than go side by side", runs, limit, "give fewer")
     arguments.check()
-    of = (of,) if isinstance(of, str) else of
-    to = (to,) if isinstance(to, str) else to
     refuse_unfit(mechanism, of or ())
     model_numbers = numbers(mechanism)
     chosen = without_points(model_numbers) if tuple(to) == ALL_PATHS else matching("to", to, model_numbers)
@@ -139,7 +141,8 @@ def sensitivity(
         job.begin(forecast(prepared, mechanism, count, runs))
         result = run_prepared(prepared, progress=job)
         if result.record.status == Status.INTERRUPTED:
-            raise Interrupted(Sensitivity(mechanism.name, {}, complete=False))
+            part = part_of(result.record, None)
+            raise Interrupted(Sensitivity(mechanism.name, {}, part=part, complete=False))
         refuse_unended(result.record)
         assembly = result.record.assembly
         if assembly.choice.steps > prepared.assembly.choice.steps:  # derivatives take as many steps more
@@ -183,6 +186,8 @@ def differentiate(
         if names.keys() & by_measure[group].keys() or (relative and group in PEAKS)
     )
     measures = tuple(needed) or PEAKS
+    if (answer := undetermined(result, values, names, measures)) is not None:
+        return dataclasses.replace(answer, refused=refused)
     variants = Variants(text, record.assembly)
     directions, without_neighbours = variants.directions(chosen)
     refused = {**refused, **without_neighbours}
@@ -192,8 +197,6 @@ def differentiate(
     if runs is not None and record.assembly.contacts:
         count = runs
     task = Differentiation(variants, result, tuple(names), LastTurn(measures), count, relative, job)
-    if job is not None and (remark := sensitivity_remark(result, names, measures)):
-        job.begin(Forecast("run", 0, remarks=(remark,)))
     try:
         derivatives, complete = task.derivatives(directions), True
     except Interrupted as interrupted:
@@ -204,11 +207,9 @@ def differentiate(
     }
     remainders = rounding(values, sizes, floors(record.assembly, values)) & names.keys()
     significant = {name: value for name, value in names.items() if name not in remainders}
-    unsure = doubtful(result, significant, measures)
-    mechanism = record.assembly.mechanism
-    answer = Sensitivity(
-        mechanism.name, significant, derivatives, refused, unsure, remainders, complete=complete
-    )
+    unsure, part = doubtful(result, significant, measures), part_of(record, None)
+    mechanism = record.assembly.mechanism.name
+    answer = Sensitivity(mechanism, significant, derivatives, refused, unsure, remainders, part, complete)
     answer.derivatives = [
         derivative
         for derivative in derivatives
@@ -233,14 +234,14 @@ def forecast(prepared: Prepared, mechanism: Mechanism, count: int, runs: int | N
     steps, varied = f"{assembly.choice.steps:,} steps", counted(count, "number")
     work = f"a run of {steps} with derivatives by {varied}, each checked by finite changes"
     longest = MOST_TRIES * single_run.seconds + HALVED_TWICE * (seconds - single_run.seconds)
-    automatic = assembly.choice.automatic
+    automatic, ends = assembly.choice.automatic, (seconds, longest)
     note = f", {span(seconds)} to {span(longest)} as the automatic step is halved or not" if automatic else ""
     if automatic:  # within a factor of two of both
         seconds = math.sqrt(seconds * longest)
     remedy = "ask for fewer numbers (to) or turns"
     return Forecast(
         "run", 1, single_run.seconds, seconds, single_run.memory, threads=cores(), lanes=lanes, work=work,
-        remedy=remedy, note=note,
+        remedy=remedy, note=note, ends=ends if automatic else None,
     )  # fmt: skip
 
 
@@ -470,15 +471,21 @@ def matching(argument: str, patterns: Sequence[str], values: Mapping[str, float]
     }
 
 
-def sensitivity_remark(result: Result, names: Mapping[str, float], measures: Groups) -> str:
-    """Return a sentence before derivatives are computed, where none will be known; else ""."""
-    values = {name: value for name, value in names.items() if value != 0.0}
-    if not values or len(doubtful(result, values, measures)) < len(values):
-        return ""
-    return (
-        "runs with other time steps disagree on every measure: the motion is sensitive, no derivative can be"
-        " determined. Ctrl-C stops; try more turns (--turns), vfife study over a range, or vfife design."
-    )
+def undetermined(
+    result: Result, values: Mapping[str, float], names: Mapping[str, float], measures: Groups
+) -> Sensitivity | None:
+    """Return an answer without derivatives if companions disagree on all measures ``names`` of the run that
+    are not zero; else None. ``values`` are those of all measures.
+    """
+    assembly, nonzero = result.record.assembly, {name: value for name, value in names.items() if value != 0.0}
+    remainders = rounding(values, scales=floors(assembly, values)) & nonzero.keys()
+    if not nonzero.keys() - remainders or len(doubtful(result, nonzero, measures)) < len(nonzero):
+        return None
+    significant = {name: value for name, value in nonzero.items() if name not in remainders}
+    return Sensitivity(
+        assembly.mechanism.name, significant, doubtful=frozenset(significant), rounding=remainders,
+        part=part_of(result.record, None),
+    )  # fmt: skip
 
 
 def doubtful(result: Result, names: Iterable[str], measures: Groups) -> frozenset[str]:

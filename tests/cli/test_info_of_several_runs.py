@@ -1,0 +1,60 @@
+"""``vfife info NEW WORN``: the forces of two runs in one table."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from vfife.report.run_file import OVERLAP, change_text, side_by_side
+
+CRANK = Path(__file__).resolve().parents[2] / "examples" / "slider_crank.toml"
+
+
+def summary(value: float, low: float, high: float) -> dict[str, Any]:
+    """A summary with one estimated measure."""
+    ranges = {"A.force.max": {"low": low, "high": high}}
+    return {"measures": {"A.force.max": value}, "ranges": ranges, "not_estimated": [], "about_zero": {}}
+
+
+def test_two_runs_share_a_table(command: Callable) -> None:
+    assert command("run", CRANK, "-o", "new", "--turns", 1, "--quiet").exit_code == 0
+    faster = ("--set", 'driver.crank.speed="600 rpm"')
+    assert command("run", CRANK, "-o", "fast", "--turns", 1, "--quiet", *faster).exit_code == 0
+    data = json.loads(command("info", "new", "fast", "--json").stdout)["runs"]
+    old, new = (data[name]["measures"]["pin.force.max"] for name in ("new", "fast"))
+    assert old["low"] <= old["value"] <= old["high"]
+    assert data["new"]["part"] == "last turn, the 1st"
+    done = command("info", "new", "fast")
+    assert done.exit_code == 0, done.stderr
+    row = next(line.split() for line in done.stdout.splitlines() if line.startswith(" pin "))
+    change = 100.0 * (new["value"] / old["value"] - 1.0)
+    assert float(row[-2].replace(",", "")) == pytest.approx(change, rel=1e-2)
+    assert "vfife plot new fast" in done.stdout
+    alone = command("info", "new")
+    assert alone.exit_code == 0 and "Run file" in alone.stdout
+
+
+def test_options_of_one_run_are_refused_with_several(command: Callable) -> None:
+    assert command("run", CRANK, "-o", "new", "--turns", 1, "--quiet").exit_code == 0
+    done = command("info", "new", "new", "--long")
+    assert done.exit_code == 2 and "--long" in done.stderr and "Traceback" not in done.stderr
+    done = command("info", "new", "absent")
+    assert done.exit_code == 2 and "absent" in done.stderr
+
+
+def test_a_change_that_may_be_an_error_of_the_steps_is_none() -> None:
+    first = summary(100.0, 99.9, 100.1)
+    assert change_text([first, summary(100.05, 99.8, 100.3)], "A.force.max") == OVERLAP
+    assert change_text([first, summary(150.0, 149.9, 150.1)], "A.force.max").startswith("50")
+    assert " to " in change_text([first, summary(150.0, 140.0, 160.0)], "A.force.max")
+    assert (
+        change_text([first, summary(0.0, 0.0, 0.0) | {"about_zero": {"A.force.max": 1}}], "A.force.max") == ""
+    )
+
+
+def test_a_static_analysis_is_named() -> None:
+    with pytest.raises(ValueError, match="rig is a static analysis") as error:
+        side_by_side({"rig": {"run": {"analysis": "static"}}})
+    assert "itself" in str(error.value)
