@@ -306,10 +306,10 @@ def test_an_ideal_force_of_rounding_is_about_zero() -> None:
 
 def test_terms_are_explained_where_they_occur_first() -> None:
     sections = explained(
-        [Section("One", [Table(("LIP(F)",), [("1",)])]), Section("Two", [Table(("LIP(F)",), [])])]
+        [Section("One", [Table(("change",), [("1",)])]), Section("Two", [Table(("change",), [])])]
     )
     assert [type(part).__name__ for one in sections for part in one.parts] == ["Table", "Facts", "Table"]
-    assert sections[0].parts[1].rows == [("LIP(F)", TERMS["LIP(F)"])]
+    assert sections[0].parts[1].rows == [("change", TERMS["change"])]
 
 
 @pytest.mark.system("draws a report")

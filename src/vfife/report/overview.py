@@ -28,7 +28,6 @@ from .digits import (
     largest_text,
     measure_text,
     over_turns,
-    percent,
     prefixed,
     shaking_text,
     sum_text,
@@ -38,7 +37,7 @@ from .digits import (
 )
 from .document import Document, Facts, Paragraph, Part, Section, Table, paragraphs
 from .run import CONFORMAL, SHARED, document
-from .run_tables import blow_texts, deepest_text, knock_texts, noted, of_contacts
+from .run_tables import blow_texts, deepest_text, influence_text, knock_texts, noted, of_contacts
 from .trust import (
     UNCOMPARED,
     alternation_words,
@@ -283,8 +282,7 @@ def _joint_row(summary: Json, name: str) -> tuple[str, ...]:
         ideal_force_text(summary, name),
         force_text(summary, measure) + shared,
         turns_text(summary, measure, "N", CERTAIN),
-        # One screen has no room for ranges in these two columns: --long shows them.
-        percent(summary["lip"].get(f"{name}.force"), uncertainty(summary, f"{name}.force.lip")),
+        influence_text(summary, f"{name}.force"),
         knock,
         NOT_COMPUTED if lacks_friction(summary, name) else power,
         largest_text(summary, pressures, "Pa", WIDE) if pressures else "",

@@ -48,7 +48,8 @@ LOSSES = (
     ("pressure_velocity.mean", "Pa m/s"),
 )
 NONE_BEGAN = "none; one began before"  # a contact that was closed when the turns of the measures began
-IDEAL = "Errors of the ideal mechanism are not estimated; {} has those of the {}."
+CHANGE = "Change: local influence parameter {}, in per cent of the ideal {}."
+IDEAL = "Errors of the ideal mechanism are not estimated; the change has those of the {}."
 
 
 def tables(summary: Json) -> list[Table]:
@@ -161,11 +162,11 @@ def _joint_table(summary: Json, title: str) -> Table:
             cells.append(deepest_text(summary, name) if "penetration.max" in joint else "")
         rows.append((name, *cells))
     heads = [
-        *_headings(summary, "reaction", compared, "LIP(F)"),
+        *_headings(summary, "reaction", compared),
         *["moment"] * moments,
         *["penetration"] * depths,
     ]
-    note = IDEAL.format("LIP(F)", "reaction") if compared and summary["trust"] else ""
+    note = _change_note(summary, "LIP(F)", "reaction") if compared else ""
     return noted(Table.numeric(("joint", *heads), rows, title), note)
 
 
@@ -189,19 +190,25 @@ def _body_table(summary: Json, title: str) -> Table:
                 ideal = bodies[name]["ideal_angular_acceleration.max"]
                 cells += _ideal_cells(summary, f"{name}.angular_acceleration", ideal, sizes.values())
             rows.append((name, *cells))
-    note = IDEAL.format("LIP(a)", "acceleration") if compared and summary["trust"] else ""
-    heads = ("body", *_headings(summary, "acceleration", compared, "LIP(a)"))
+    note = _change_note(summary, "LIP(a)", "acceleration") if compared else ""
+    heads = ("body", *_headings(summary, "acceleration", compared))
     return noted(Table.numeric(heads, rows, title), note)
 
 
-def _headings(summary: Json, measure: str, compared: bool, influence: str) -> list[str]:
+def _change_note(summary: Json, symbol: str, kind: str) -> str:
+    """Return what the change of the largest values of a ``kind`` is, and which errors it has."""
+    note = CHANGE.format(symbol, kind)
+    return f"{note} {IDEAL.format(kind)}" if summary["trust"] else note
+
+
+def _headings(summary: Json, measure: str, compared: bool) -> list[str]:
     """Return the headings of :func:`_range_cells` and :func:`_ideal_cells`."""
     heads = [measure]
     if summary["trust"] and summary["trust"]["sensitive"]:
         heads = [f"range of {measure}", "mean" if over_several_turns(summary["turns"]) else "this run"]
     elif summary["trust"]:
         heads = [measure, "range"]
-    return heads + ["lowest to highest turn"] * _scatters(summary) + ["ideal", influence] * compared
+    return heads + ["lowest to highest turn"] * _scatters(summary) + ["ideal", "change"] * compared
 
 
 def _scatters(summary: Json) -> bool:
@@ -254,7 +261,9 @@ def _ideal_cells(summary: Json, name: str, ideal: float | None, values: Iterable
 
 
 def influence_text(summary: Json, name: str) -> str:
-    """Return by how many per cent clearances increase a force or acceleration; "" if it is not single."""
+    """Return by how many per cent clearances increase a force or acceleration, as a range where two digits
+    are not known; "" if it is not single.
+    """
     influence, measure = summary["lip"].get(name), f"{name}.lip"
     if influence is None:
         return ""
