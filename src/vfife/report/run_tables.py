@@ -161,11 +161,7 @@ def _joint_table(summary: Json, title: str) -> Table:
         if depths:
             cells.append(deepest_text(summary, name) if "penetration.max" in joint else "")
         rows.append((name, *cells))
-    heads = [
-        *_headings(summary, "reaction", compared),
-        *["moment"] * moments,
-        *["penetration"] * depths,
-    ]
+    heads = [*_headings(summary, "reaction", compared), *["moment"] * moments, *["penetration"] * depths]
     note = _change_note(summary, "LIP(F)", "reaction") if compared else ""
     return noted(Table.numeric(("joint", *heads), rows, title), note)
 
