@@ -124,8 +124,8 @@ def comparison(result: Comparison, folder: str = "", files: Sequence[str] = ()) 
     heads = ("contact", "friction", *(head for _, head, _, _ in COMPARED), "lost, J", "wall, s")
     note = (
         f"Force and depth are the largest ({_part(result)}). Changes of F and a, LIP(F) and LIP(a), are the"
-        " largest of a force and an angular acceleration by clearance, in per cent of those with ideal joints."
-        " Contact is the mean share of the time of the run."
+        " largest of a force and an angular acceleration by clearance, in per cent of those with ideal"
+        " joints. Contact is the mean share of the time of the run."
     )
     parts: list[Part] = [
         Table(heads, rows, numbers=range(2, 10), names=(0, 1)),
