@@ -30,6 +30,7 @@ from vfife.report.overview import cautions, certainty, joint_table
 from vfife.report.pages import findings, model_file, trust
 from vfife.report.pages import run_page as document
 from vfife.report.parts import Section, Table
+from vfife.report.run import equilibria
 from vfife.report.run_tables import tables
 from vfife.simulation.result import Result
 
@@ -207,6 +208,25 @@ def test_equilibria_have_a_report() -> None:
     result = vfife.simulate(gallery.toggle_press())
     said = Page(document(result, {}, None, None))
     assert "load factor" in " ".join(said.texts["th"]) and "Trust" not in said.texts["h2"]
+
+
+def test_load_factors_that_a_table_leaves_out_are_named() -> None:
+    """The short answer has three of five; the long one has all, or says how many it has not."""
+
+    def table(summary: dict[str, Any], limit: int = 40) -> Table:
+        return next(part for part in equilibria(summary, limit) if isinstance(part, Table))
+
+    summary = vfife.simulate(gallery.toggle_press()).summary
+    short, whole = table(summary, 3), table(summary)
+    assert [row[0] for row in short.rows] == ["0", "0.5", "1"]
+    assert short.note == "Left out: load factors 0.25 and 0.75; add --long, or vfife info RUN --long."
+    assert [row[0] for row in whole.rows] == ["0", "0.25", "0.5", "0.75", "1"] and not whole.note
+    factors = summary["run"]["factors"]
+    many = [state | {"load_factor": 5.0 * k + j} for k in range(20) for j, state in enumerate(factors)]
+    table_of_many = table(summary | {"run": summary["run"] | {"factors": many}})
+    left = len(many) - len(table_of_many.rows)
+    assert left > 0
+    assert table_of_many.note == f"Left out: {left} load factors between these; the run file has all."
 
 
 @pytest.mark.system("draws a report")
