@@ -18,8 +18,16 @@ from ..files import read_bytes
 from .design_words import or_words
 from .digits import Json, ideal_force_text, interval, is_undetermined, prefixed, uncertainty
 from .document import Element, Facts, Paragraph, Part, Section, Table
-from .overview import blow, certainty, clearance_note, force_text, joint_table, rivals
-from .run_tables import NONE_BEGAN, influence_text, knock_texts, of_contacts, own_knocks
+from .overview import blow, certainty, clearance_note, joint_table, rivals
+from .run_tables import (
+    NONE_BEGAN,
+    force_text,
+    influence_text,
+    knock_texts,
+    may_not_knock,
+    of_contacts,
+    own_knocks,
+)
 
 LARGEST_LOGO = 1_000_000  # bytes
 PICTURES = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}
@@ -204,6 +212,8 @@ def _knocks(summary: Json) -> str:
         sentences.append(
             f"Joint {name} knocks hardest: its surfaces meet at up to {loose[name][0]}{remainder}"
         )
+        if may_not_knock(summary, name):
+            sentences.append(f"At other step sizes joint {name} may not knock at all")
     elif loose:
         sentences.append("No joint knocks")
         starts = [f"{name} {start}" for name, (_, start) in loose.items() if start]

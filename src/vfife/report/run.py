@@ -261,7 +261,7 @@ def _omitted_factors(factors: Sequence[Json], shown: Sequence[Json], limit: int)
     omitted = [f"{state['load_factor']:g}" for state in factors if state not in shown]
     if not omitted:
         return ""
-    few = f"load factor{'s' * (len(omitted) > 1)} {and_words(omitted)}"
-    words = f"{len(omitted):,} load factors between these" if len(omitted) > NAMED else few
+    named = f"load factor{'s' * (len(omitted) > 1)} {and_words(omitted)}"
+    words = f"{len(omitted):,} load factors between these" if len(omitted) > NAMED else named
     place = "add --long, or vfife info RUN --long" if limit < FACTORS else "the run file has all"
     return f"Left out: {words}; {place}."
