@@ -29,7 +29,7 @@ from vfife.report.html import elements
 from vfife.report.overview import cautions, certainty, joint_table
 from vfife.report.pages import findings, model_file, trust
 from vfife.report.pages import run_page as document
-from vfife.report.parts import Section, Table
+from vfife.report.parts import NO_BREAK, Paragraph, Section, Table
 from vfife.report.run import equilibria
 from vfife.report.run_tables import tables
 from vfife.simulation.result import Result
@@ -56,7 +56,8 @@ class Page(HTMLParser):
             pass
 
     def handle_data(self, data: str) -> None:
-        self.texts.setdefault(self.open[-1] if self.open else "", []).append(data)
+        """Keep a text, its spaces at which no line ends as other ones."""
+        self.texts.setdefault(self.open[-1] if self.open else "", []).append(data.replace(NO_BREAK, " "))
 
 
 @cache
@@ -208,6 +209,13 @@ def test_equilibria_have_a_report() -> None:
     result = vfife.simulate(gallery.toggle_press())
     said = Page(document(result, {}, None, None))
     assert "load factor" in " ".join(said.texts["th"]) and "Trust" not in said.texts["h2"]
+
+
+def test_a_page_does_not_part_a_number_from_its_unit() -> None:
+    """Neither in sentences nor in cells; an ordinary word behind a number is no unit."""
+    text = elements([Paragraph("0.9 to 1.2 kN in 3 turns"), Table(("a",), [("big-end 17 µm",)])])
+    assert f"0.9 to 1.2{NO_BREAK}kN in 3 turns" in text and f"17{NO_BREAK}µm" in text
+    assert f"2.7{NO_BREAK}N{NO_BREAK}m" in elements([Paragraph("torque 2.7 N m")])
 
 
 def test_load_factors_that_a_table_leaves_out_are_named() -> None:

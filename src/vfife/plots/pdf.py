@@ -35,7 +35,7 @@ LOGO = (2.2, 0.75)  # largest width and height of a logo (inches)
 SHRUNK, TALLEST = 0.59, 4.45  # scale of figures, which makes their texts alike; inches: two on a page
 TALL_FIRST, SHORT_FIRST = 4.0, 1.8  # inches: usual and least height of the figure of the first page
 CANDIDATES = 12  # figures of which those of a page are chosen
-WHOLE = 0.5  # of the height of a page: a shorter table is not broken over two
+UNBROKEN_SHARE = 0.5  # of the height of a page: a shorter table is not broken over two
 MONOSPACE = 112  # characters of a line of a file
 
 
@@ -295,13 +295,13 @@ def _section(paper: Paper, section: parts.Section, figures: Mapping[str, Figure]
 
 def _block_height(paper: Paper, block: Sequence[parts.Part]) -> float:
     """Return the height (inches) of parts that stay together on a page; 0 of those that may be broken because
-    they would fill more than :data:`WHOLE` of one.
+    they would fill more than :data:`UNBROKEN_SHARE` of one.
     """
     draft = Paper(None, paper.footer)
     for part in block:
         _part(draft, part, {}, False)
     height = draft.at - TOP - GAP
-    return height if draft.count == 1 and height <= WHOLE * (PAGE[1] - TOP - BOTTOM) else 0.0
+    return height if draft.count == 1 and height <= UNBROKEN_SHARE * (PAGE[1] - TOP - BOTTOM) else 0.0
 
 
 def _is_drawn(part: parts.Part, figures: Mapping[str, Figure]) -> TypeGuard[parts.Figure]:

@@ -16,7 +16,7 @@ NUMBER_WITH_UNIT = re.compile(rf"(?<=\d) (?:%|[GMkmµnp]?{UNIT})(?![\w/])")
 
 def with_units(text: str) -> str:
     """Return a text in which a line may not end between a number and its unit."""
-    return NUMBER_WITH_UNIT.sub(lambda found: found[0].replace(" ", NO_BREAK), text)
+    return NUMBER_WITH_UNIT.sub(lambda match: match[0].replace(" ", NO_BREAK), text)
 
 
 @dataclass(frozen=True)
