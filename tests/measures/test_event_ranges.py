@@ -7,6 +7,10 @@ import pytest
 import vfife
 from hanging_chain import CHAIN, variant
 from vfife import gallery
+from vfife.laws import Coulomb
+from vfife.laws.law import LAWS
+from vfife.laws.stored import RecordedFriction
+from vfife.measures.event_ranges import friction_losses
 from vfife.modelfile import loads
 
 # Shares of free flight at a sixteenth of the step; at a thirty-second that of O is 0.03992 as well.
@@ -50,3 +54,30 @@ def test_the_share_of_first_steps_vanishes_with_the_step() -> None:
         share = result.measures[f"{joint}.share.impact"]
         assert share.low == 0.0 < share <= share.high
         assert half.measures[f"{joint}.share.impact"] <= share.high
+
+
+def test_a_loss_by_friction_is_not_negative_but_for_bristles() -> None:
+    """Coulomb friction takes energy at every moment; a bent bristle returns what it stored."""
+    result = vfife.simulate(gallery.slider_crank_free(), reference=False)
+    power, energy = (result.measures[f"guide.friction_{kind}"] for kind in ("power.mean", "energy.total"))
+    assert power.low == energy.low == 0.0
+    assert 0.0 < power < power.high and power.width > power  # without the law it begins below zero
+    assert friction_losses(result.record) == {"guide.friction_power.mean", "guide.friction_energy.total"}
+
+
+@pytest.mark.parametrize(
+    ("law", "dissipative"),
+    [("coulomb", True), ("brown-mcphee", True), ("lugre", False), ("dahl", False), ("gonthier", False)],
+)
+def test_laws_with_bristles_store_energy(law: str, dissipative: bool) -> None:
+    assert LAWS["friction"].registry[law]().dissipative is dissipative
+
+
+def test_of_a_law_of_ones_own_nothing_is_known() -> None:
+    """Neither as it is loaded nor as a run file has it."""
+
+    class Mine(Coulomb, register=False):
+        """A copy."""
+
+    assert Coulomb().dissipative
+    assert not Mine().dissipative and not RecordedFriction().dissipative

@@ -76,3 +76,61 @@ def test_cautions_have_the_numbers_to_which_the_conclusion_refers(
     bullets = [parts.Bullets(["first", "second"], ordered=True), parts.Bullets(["third"])]
     pdf.write_pdf(tmp_path / "r.pdf", Document((parts.Section("Cautions", bullets),), "title"), (), {})
     assert lines[-3:] == ["1. first", "2. second", "• third"]
+
+
+def placed(paper: pdf.Paper) -> list[str]:
+    """The lines on the page that is being written."""
+    return [text.get_text() for text in paper.page.texts]
+
+
+@pytest.mark.parametrize("unit", ["kN", "µm", "%", "N m", "mm/s", "rad/s²"])
+def test_a_unit_stands_on_the_line_of_its_number(unit: str) -> None:
+    paper = pdf.Paper(None, "")
+    for room in (0.9, 1.1, 1.3):
+        lines = paper.cell(f"big-end 17 {unit}, 0.9 to 1.2 {unit}", room)
+        assert len(lines) > 1 and " ".join(lines) == f"big-end 17 {unit}, 0.9 to 1.2 {unit}"
+        assert not any(line.startswith(unit.split()[0]) for line in lines), lines
+
+
+def test_cells_that_fit_in_a_smaller_font_are_not_wrapped() -> None:
+    paper = pdf.Paper(None, "")
+    cells = ["36.8 to 42.5 mm/s"]
+    paper.rows([cells], range(1), ("first",))
+    assert paper.cell_size == pdf.SMALL
+    while sum(paper.natural_widths([cells], ())) <= pdf.ROOM:
+        cells.append("1 to 2 N")
+    paper.rows([cells], range(len(cells)), ())
+    assert paper.cell_size < pdf.SMALL
+    assert placed(paper).count(cells[0]) == 2 and placed(paper).count(cells[1]) == len(cells) - 1
+
+
+@pytest.mark.parametrize("used", [3.0, 8.0, 9.0])
+def test_a_short_table_and_its_glossary_are_on_one_page(used: float) -> None:
+    """A table that is longer than half a page is broken, as it must be, under its headings."""
+    short = parts.Table(("joint", "change"), [(f"joint {k}", "12 %") for k in range(12)], "short table")
+    glossary = parts.Facts([("change", "by how much clearance raises the force")])
+    paper = pdf.Paper(None, "")
+    paper.at = used
+    pdf._section(paper, parts.Section("Section", [parts.Paragraph("words"), short, glossary]), {}, False)
+    assert {"short table", "joint 0", "joint 11", "change"} <= set(placed(paper))
+    assert paper.count == (1 if used < 5.0 else 2)
+    long = parts.Table(("joint", "change"), [(f"joint {k}", "12 %") for k in range(40)], "long table")
+    paper = pdf.Paper(None, "")
+    paper.at = used
+    pdf._section(paper, parts.Section("Section", [long]), {}, False)
+    assert paper.count == 2 and "change" in placed(paper) and "long table" not in placed(paper)
+
+
+def test_the_first_figure_leaves_room_for_the_first_table() -> None:
+    """The glossary goes to the next page before the table is broken."""
+    rows = [(f"joint {k}", "12 %") for k in range(14)]
+    texts = [parts.Paragraph("words " * 150), parts.Table(("joint", "change"), rows)]
+    glossary = parts.Facts([(f"term {k}", "what it means") for k in range(20)])
+    figures = {"machine": Figure(figsize=(6.0, 5.0))}
+    section = parts.Section("Conclusion", [parts.Figure("machine", str), *texts, glossary])
+    paper = pdf.Paper(None, "")
+    paper.tallest = pdf.tallest_first(paper, section, figures)
+    assert pdf.SHORT_FIRST <= paper.tallest < pdf.TALL_FIRST
+    whole = parts.Section("Conclusion", [parts.Figure("machine", str), *texts])
+    pdf._section(paper, whole, figures, True)
+    assert paper.count == 1 and "joint 13" in placed(paper)

@@ -13,9 +13,9 @@ from vfife import gallery, modelfile
 from vfife.errors import VfifeError
 from vfife.measures.landings import overlaps
 from vfife.report.document import Bullets, Document
-from vfife.report.overview import certainty, contact_counts, overview, power_text
+from vfife.report.overview import certainty, contact_counts, overview
 from vfife.report.pages import run_page
-from vfife.report.run_tables import NONE_BEGAN, knock_texts
+from vfife.report.run_tables import NONE_BEGAN, knock_texts, power_text
 from vfife.report.terminal import as_text
 from vfife.studies.methods.compare import chosen_joints
 

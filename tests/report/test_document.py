@@ -29,7 +29,8 @@ from vfife.report.html import elements
 from vfife.report.overview import cautions, certainty, joint_table
 from vfife.report.pages import findings, model_file, trust
 from vfife.report.pages import run_page as document
-from vfife.report.parts import Section, Table
+from vfife.report.parts import NO_BREAK, Paragraph, Section, Table
+from vfife.report.run import equilibria
 from vfife.report.run_tables import tables
 from vfife.simulation.result import Result
 
@@ -55,7 +56,8 @@ class Page(HTMLParser):
             pass
 
     def handle_data(self, data: str) -> None:
-        self.texts.setdefault(self.open[-1] if self.open else "", []).append(data)
+        """Keep a text, its spaces at which no line ends as other ones."""
+        self.texts.setdefault(self.open[-1] if self.open else "", []).append(data.replace(NO_BREAK, " "))
 
 
 @cache
@@ -209,6 +211,32 @@ def test_equilibria_have_a_report() -> None:
     assert "load factor" in " ".join(said.texts["th"]) and "Trust" not in said.texts["h2"]
 
 
+def test_a_page_does_not_part_a_number_from_its_unit() -> None:
+    """Neither in sentences nor in cells; an ordinary word behind a number is no unit."""
+    text = elements([Paragraph("0.9 to 1.2 kN in 3 turns"), Table(("a",), [("big-end 17 µm",)])])
+    assert f"0.9 to 1.2{NO_BREAK}kN in 3 turns" in text and f"17{NO_BREAK}µm" in text
+    assert f"2.7{NO_BREAK}N{NO_BREAK}m" in elements([Paragraph("torque 2.7 N m")])
+
+
+def test_load_factors_that_a_table_leaves_out_are_named() -> None:
+    """The short answer has three of five; the long one has all, or says how many it has not."""
+
+    def table(summary: dict[str, Any], limit: int = 40) -> Table:
+        return next(part for part in equilibria(summary, limit) if isinstance(part, Table))
+
+    summary = vfife.simulate(gallery.toggle_press()).summary
+    short, whole = table(summary, 3), table(summary)
+    assert [row[0] for row in short.rows] == ["0", "0.5", "1"]
+    assert short.note == "Left out: load factors 0.25 and 0.75; add --long, or vfife info RUN --long."
+    assert [row[0] for row in whole.rows] == ["0", "0.25", "0.5", "0.75", "1"] and not whole.note
+    factors = summary["run"]["factors"]
+    many = [state | {"load_factor": 5.0 * k + j} for k in range(20) for j, state in enumerate(factors)]
+    table_of_many = table(summary | {"run": summary["run"] | {"factors": many}})
+    left = len(many) - len(table_of_many.rows)
+    assert left > 0
+    assert table_of_many.note == f"Left out: {left} load factors between these; the run file has all."
+
+
 @pytest.mark.system("draws a report")
 def test_the_command_writes_one_file_and_replaces_none(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -306,10 +334,10 @@ def test_an_ideal_force_of_rounding_is_about_zero() -> None:
 
 def test_terms_are_explained_where_they_occur_first() -> None:
     sections = explained(
-        [Section("One", [Table(("LIP(F)",), [("1",)])]), Section("Two", [Table(("LIP(F)",), [])])]
+        [Section("One", [Table(("change",), [("1",)])]), Section("Two", [Table(("change",), [])])]
     )
     assert [type(part).__name__ for one in sections for part in one.parts] == ["Table", "Facts", "Table"]
-    assert sections[0].parts[1].rows == [("LIP(F)", TERMS["LIP(F)"])]
+    assert sections[0].parts[1].rows == [("change", TERMS["change"])]
 
 
 @pytest.mark.system("draws a report")

@@ -49,7 +49,7 @@ COLUMNS: dict[tuple[str, str], Callable[[Json, str], list[str]]] = {
     ("Largest reactions", "range of reaction"): contact_measures("force.max"),
     ("Largest reactions", "range"): contact_measures("force.max"),
     ("Largest reactions", "this run"): contact_measures("force.max"),
-    ("Largest reactions", "LIP(F)"): contact_measures("force.lip"),
+    ("Largest reactions", "change"): contact_measures("force.lip"),
     ("Largest reactions", "penetration"): contact_measures("penetration.max"),
     ("Contact", "deepest landing"): contact_measures("landing_depth.max"),
     ("Contact", "free flight"): contact_measures(f"share.{MODES[0]}"),
@@ -68,7 +68,7 @@ COLUMNS: dict[tuple[str, str], Callable[[Json, str], list[str]]] = {
     ("Largest angular", "range of acceleration"): contact_measures("angular_acceleration.max"),
     ("Largest angular", "range"): contact_measures("angular_acceleration.max"),
     ("Largest angular", "this run"): contact_measures("angular_acceleration.max"),
-    ("Largest angular", "LIP(a)"): contact_measures("angular_acceleration.lip"),
+    ("Largest angular", "change"): contact_measures("angular_acceleration.lip"),
 }
 COUNTS = {
     ("Contact", "impacts"): "impacts",
@@ -83,7 +83,7 @@ PER_CENT_OF_VALUE = re.compile(rf"({NUMBER}) to ({NUMBER}) %")
 def factor(unit: str, heading: str) -> float:
     """SI units, or per cent of a lip, in a unit of a cell."""
     if unit == "%":
-        return 1.0 if heading.startswith("LIP") else 0.01
+        return 1.0 if heading == "change" else 0.01
     base = next((base for base in PREFIXABLE if unit.endswith(base) and unit[: -len(base)] in UNITS), unit)
     return UNITS[unit[: len(unit) - len(base)]]
 

@@ -377,6 +377,13 @@ class FrictionLaw(Law):
     regime: ClassVar[Any] = None
     set_valued: ClassVar[bool] = False
 
+    @property
+    def dissipative(self) -> bool:
+        """Whether the force only takes energy: its memory has nothing but velocities. Bent bristles return
+        energy, other memories may, and of a law of the user's own nothing is known.
+        """
+        return built_in(type(self)) and all(entry.endswith("(m/s)") for entry in self.memory)
+
     @staticmethod
     def force(
         normal_force: float,

@@ -143,6 +143,11 @@ class RecordedContact(Recorded, ContactLaw, register=False):
 class RecordedFriction(Recorded, FrictionLaw, register=False):
     """A friction law of which the parameters are known, and not the force."""
 
+    @property
+    def dissipative(self) -> bool:
+        """False, as of every law of the user's own."""
+        return False
+
 
 def stand_in(entry: Entry) -> type[Law]:
     """Create a class with the fields of a recorded law, which can be read and written but not run."""

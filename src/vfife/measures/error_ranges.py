@@ -20,7 +20,7 @@ from ..solvers.record import Record
 from ..solvers.repeating import turn_grid
 from ..solvers.scales import NEGLIGIBLE, Scales, scales
 from .catalogue import INFLUENCE, PEAKS, Groups, compared, lip, measures, over_run, over_turn, unit_of
-from .event_ranges import event_errors, widened
+from .event_ranges import event_errors, friction_losses, widened
 from .extrapolation import SCATTER, SCATTER_OF_TRIES, VANISHING, error_of_mean, widen
 from .normal_forces import lowest_shares
 from .output_intervals import cut_errors
@@ -73,7 +73,8 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, groups:
     Ranges also cover the largest values after run and companions diverge (:func:`peaks_after_parting`). A
     smooth run has its estimated error to both sides. A quantity that is about zero
     (:func:`~vfife.measures.zero_limits.about_zero`) lies between zero and the limit below which it is called
-    that.
+    that. The range of a loss by friction does not begin below zero
+    (:func:`~vfife.measures.event_ranges.friction_losses`).
     """
     open_ones = {f"{name}.max" for name in record.assembly.shared}
     by_name, joins = samples(record, reference, groups), contradiction(record)
@@ -83,6 +84,7 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, groups:
     has_several_steps = len(set(step_ratios(record))) > 1
     events = event_errors(record, by_name) if has_several_steps else {}
     normal_parts = {} if record.static else least_pressure_shares(record)
+    friction = friction_losses(record)
     tries, cuts = sensitive_tries(record), cut_errors(record, evaluated_turns(record), groups)
     ranges = Measures()
     for name, sample in by_name.items():
@@ -109,6 +111,8 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, groups:
             low, high = (0.0 if name.endswith(".max") else -limits[name]), limits[name]
         if estimated and name.endswith(FIRST_STEPS):
             low = 0.0
+        if name in friction:
+            low = max(low, min(0.0, sample.low))
         unique = name not in open_ones
         ranges[name] = Measured(sample.value, low, high, unique, sample.lowest, sample.highest, estimated)
         ranges[name].unit = unit_of(name)

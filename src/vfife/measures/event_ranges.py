@@ -25,6 +25,7 @@ FLIGHTS_UNEQUAL, FLIGHTS_EQUAL = 0.5, 0.1
 DECAYING = 0.5
 STEPS = 2.0  # of each impact: those in which it begins and ends
 CONTACT = "continuous_contact"
+FRICTION = ("friction_energy.total", "friction_power.mean")
 
 
 def event_errors(record: Record, samples: Mapping[str, Samples]) -> dict[str, float]:
@@ -50,10 +51,19 @@ def event_errors(record: Record, samples: Mapping[str, Samples]) -> dict[str, fl
         errors[names[1]] = errors[names[2]] = error
         relative[joint] = relative.get(joint, 0.0) + error / max(touching.value, error)
     for joint, share in relative.items():
-        for kind in ("friction_energy.total", "friction_power.mean"):
+        for kind in FRICTION:
             if (sample := samples.get(f"{joint}.{kind}")) is not None:
                 errors[f"{joint}.{kind}"] = share * abs(sample.value)
     return errors
+
+
+def friction_losses(record: Record) -> frozenset[str]:
+    """Return the friction energies and mean powers that are never negative, because their law only takes
+    energy from the sliding at every moment; those of laws with bristles are not among them.
+    """
+    contacts = record.assembly.mechanism.contacts
+    joints = {name for name in record.assembly.contact_joints if contacts[name].friction.dissipative}
+    return frozenset(f"{joint}.{kind}" for joint in joints for kind in FRICTION)
 
 
 def widened(name: str, sample: Samples, bounds: tuple[float, float], error: float) -> tuple[float, float]:

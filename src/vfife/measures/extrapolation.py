@@ -45,7 +45,7 @@ LEAST_COUNT = 1.0
 COUNTS = (".impacts", ".grazing", ".deep_landings")
 # How deep the first step of a contact lands is the step's doing: it goes to zero with it.
 VANISHING = (".landing_depth.max", ".deep_landings")
-# Friction is not among them: a law with memory returns energy that it stored.
+# Friction is not among them: bristles return energy. For other laws see event_ranges.friction_losses.
 NEVER_NEGATIVE = (
     ".max", *COUNTS, ".share.free_flight", ".share.impact", ".share.continuous_contact",
     ".impact_energy.total", ".impact_power.mean", ".sliding_distance.total", ".pressure_velocity.mean",

@@ -48,7 +48,13 @@ class Samples:
         return min(self.low, low), max(self.high, high)
 
     def error_range(self, name: str) -> tuple[float, float]:
-        """Return the range that estimates the error; that of the values if all lanes have one step size."""
+        """Return the range that estimates the error; that of the values if all lanes have one step size.
+
+        The range of a mean over turns is not cut at ``lowest`` and ``highest``, although no mean lies beyond
+        all of its turns: it is that of the mean over all turns of the motion, for vanishing steps, of which
+        these are a sample. If a share p of all turns lies beyond the mean, n independent turns miss all of
+        them with the probability (1 - p)^n, and rare turns, as with a hard knock, may decide a mean.
+        """
         if len(set(self.ratios)) < 2:
             return self.low, self.high
         if self.scatters:

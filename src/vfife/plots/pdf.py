@@ -27,12 +27,15 @@ LEFT, RIGHT, TOP, BOTTOM = 0.85, 0.75, 0.8, 0.8  # margins (inches)
 ROOM = PAGE[0] - LEFT - RIGHT
 LINE = 1.35 / 72.0  # inches of a line for a point of its font
 TITLE, HEAD, TEXT, SMALL, CODE = 18.0, 13.0, 10.0, 8.5, 7.0  # points
+CELL_SIZES = (SMALL, 8.0, 7.5)  # points in tables: the largest in which no cell is wrapped, else the last
+MAGNIFIED = 10.0  # at which cells are measured: pixels of a screen make small letters up to 9 % narrower
 GAP, CELL = 0.12, 0.14  # inches between parts, and between columns
 FINE = 220.0  # pixels an inch of figures
 LOGO = (2.2, 0.75)  # largest width and height of a logo (inches)
 SHRUNK, TALLEST = 0.59, 4.45  # scale of figures, which makes their texts alike; inches: two on a page
-TALL_FIRST, SHORT_FIRST = 4.0, 2.0  # inches: usual and least height of the figure of the first page
+TALL_FIRST, SHORT_FIRST = 4.0, 1.8  # inches: usual and least height of the figure of the first page
 CANDIDATES = 12  # figures of which those of a page are chosen
+UNBROKEN_SHARE = 0.5  # of the height of a page: a shorter table is not broken over two
 MONOSPACE = 112  # characters of a line of a file
 
 
@@ -43,6 +46,7 @@ class Paper:
 
     def __init__(self, pages: PdfPages | None, footer: str) -> None:
         self.pages, self.footer, self.count, self.tallest = pages, footer, 0, TALL_FIRST
+        self.cell_size = SMALL  # of the table that is written (points)
         self.begin()
 
     def begin(self) -> None:
@@ -85,7 +89,12 @@ class Paper:
                 self.at += CODE * LINE
 
     def rows(self, rows: Sequence[Sequence[str]], numbers: Sequence[int], heads: Sequence[str] = ()) -> None:
-        """Write rows of cells, wide columns wrapped; ``heads`` again on every page."""
+        """Write rows of cells, wide ones in a smaller font, and still wider columns wrapped; ``heads`` again
+        on every page.
+        """
+        for self.cell_size in CELL_SIZES:
+            if sum(self.natural_widths(rows, heads)) <= ROOM:
+                break
         widths = self.widths(rows, heads)
         if heads:
             self.row(heads, widths, numbers, 0.0, weight="bold")
@@ -96,34 +105,36 @@ class Paper:
                 self.row(heads, widths, numbers, 0.0, weight="bold")
             self.row(row, widths, numbers, 0.4)
 
+    def natural_widths(self, rows: Sequence[Sequence[str]], heads: Sequence[str]) -> list[float]:
+        """Widths of columns (inches) in which no text is wrapped."""
+        looks = [(heads, "bold"), *((row, "normal") for row in rows)]
+        widths = [0.0] * max(len(row) for row, _ in looks)
+        for row, look in looks:
+            for k, text in enumerate(row):
+                width = width_of(self.page, str(text), MAGNIFIED * self.cell_size, look) / MAGNIFIED
+                widths[k] = max(widths[k], width)
+        return [CELL + width for width in widths]
+
     def widths(self, rows: Sequence[Sequence[str]], heads: Sequence[str]) -> list[float]:
         """Widths of columns (inches): those of their texts, the widest cut so that all fit the page."""
-        looks = [(heads, "bold"), *((row, "normal") for row in rows)]
-        count = max(len(row) for row, _ in looks)
-        widths = [
-            CELL
-            + max(
-                (width_of(self.page, str(row[k]), SMALL, look) for row, look in looks if k < len(row)),
-                default=0.0,
-            )
-            for k in range(count)
-        ]
+        widths = self.natural_widths(rows, heads)
         for limit in np.linspace(ROOM, 0.4, 60):
             fitted = [min(width, float(limit)) for width in widths]
             if sum(fitted) <= ROOM:
                 cut = [fit < width for fit, width in zip(fitted, widths, strict=True)]
                 share = (ROOM - sum(fitted)) / max(sum(cut), 1)
                 return [fit + share * is_cut for fit, is_cut in zip(fitted, cut, strict=True)]
-        return [ROOM / count] * count
+        return [ROOM / len(widths)] * len(widths)
 
     def height(self, row: Sequence[str], widths: Sequence[float], weight: str = "normal") -> float:
         """Height of a row (inches)."""
         count = max(len(self.cell(cell, width, weight)) for cell, width in zip(row, widths, strict=False))
-        return count * SMALL * LINE + 0.04
+        return count * self.cell_size * LINE + 0.04
 
     def cell(self, text: str, width: float, weight: str = "normal") -> list[str]:
         """Lines of a cell."""
-        return broken(self.page, str(text), width - CELL + 0.01, SMALL, weight)
+        room = MAGNIFIED * (width - CELL + 0.01)
+        return broken(self.page, str(text), room, MAGNIFIED * self.cell_size, weight)
 
     def row(
         self, row: Sequence[str], widths: Sequence[float], numbers: Sequence[int], rule: float, **look: Any
@@ -139,9 +150,8 @@ class Paper:
             right = k in numbers
             for j, line in enumerate(self.cell(cell, width, weight)):
                 place = x + width - CELL if right else x
-                self.put(
-                    place, self.at + j * SMALL * LINE, line, SMALL, ha="right" if right else "left", **look
-                )
+                y = self.at + j * self.cell_size * LINE
+                self.put(place, y, line, self.cell_size, ha="right" if right else "left", **look)
             x += width
         self.at += height
 
@@ -235,19 +245,23 @@ def write_pdf(
 
 
 def tallest_first(paper: Paper, section: parts.Section, figures: Mapping[str, Figure]) -> float:
-    """Return the height (inches) of the figure of the first section with which all of it fits on the first
-    page; the usual one where none does.
+    """Return the height (inches) of the figure of the first section with which all of it, or else what ends
+    with its last table, fits on the first page; the usual one where neither does.
     """
     drawn = [part for part in section.parts if _is_drawn(part, figures)]
     if len(drawn) != 1:
         return TALL_FIRST
-    draft = Paper(None, paper.footer)
-    draft.at = paper.at
     texts = [part for part in section.parts if part not in drawn]
-    _section(draft, parts.Section(section.title, texts), {}, True)
+    tables = [k for k, part in enumerate(texts) if isinstance(part, parts.Table)]
     caption = paper.figure_height(figures[drawn[0].title], drawn[0].title, 0.0) + 0.05 + 2.0 * GAP
-    height = draft.left() - caption
-    return min(TALL_FIRST, height) if draft.count == 1 and height >= SHORT_FIRST else TALL_FIRST
+    for end in (len(texts), *[k + 1 for k in tables[-1:]]):
+        draft = Paper(None, paper.footer)
+        draft.at = paper.at
+        _section(draft, parts.Section(section.title, texts[:end]), {}, True)
+        height = draft.left() - caption
+        if draft.count == 1 and height >= SHORT_FIRST:
+            return min(TALL_FIRST, height)
+    return TALL_FIRST
 
 
 def _logo(paper: Paper, data: bytes) -> None:
@@ -269,9 +283,25 @@ def _section(paper: Paper, section: parts.Section, figures: Mapping[str, Figure]
     paper.at += 0.06
     if not first:
         paper.figures(drawn)
-    for part in section.parts:
-        if first or not _is_drawn(part, figures):
-            _part(paper, part, figures, first)
+    remaining = [part for part in section.parts if first or not _is_drawn(part, figures)]
+    for k, part in enumerate(remaining):
+        if isinstance(part, parts.Table):
+            # The meanings of its headings follow a table; on the first page the table is more important.
+            following = [] if first else remaining[k + 1 : k + 2]
+            glossary = [entry for entry in following if isinstance(entry, parts.Facts)]
+            paper.keep(_block_height(paper, [part, *glossary]) or _block_height(paper, [part]))
+        _part(paper, part, figures, first)
+
+
+def _block_height(paper: Paper, block: Sequence[parts.Part]) -> float:
+    """Return the height (inches) of parts that stay together on a page; 0 of those that may be broken because
+    they would fill more than :data:`UNBROKEN_SHARE` of one.
+    """
+    draft = Paper(None, paper.footer)
+    for part in block:
+        _part(draft, part, {}, False)
+    height = draft.at - TOP - GAP
+    return height if draft.count == 1 and height <= UNBROKEN_SHARE * (PAGE[1] - TOP - BOTTOM) else 0.0
 
 
 def _is_drawn(part: parts.Part, figures: Mapping[str, Figure]) -> TypeGuard[parts.Figure]:

@@ -16,22 +16,31 @@ from pathlib import Path
 from ..errors import VfifeError
 from ..files import read_bytes
 from .design_words import or_words
-from .digits import Json, ideal_force_text, interval, is_undetermined, percent, prefixed, uncertainty
+from .digits import Json, ideal_force_text, interval, is_undetermined, prefixed, uncertainty
 from .document import Element, Facts, Paragraph, Part, Section, Table
-from .overview import blow, certainty, clearance_note, force_text, joint_table, rivals
-from .run_tables import NONE_BEGAN, knock_texts, of_contacts, own_knocks
+from .overview import blow, certainty, clearance_note, joint_table, rivals
+from .run_tables import (
+    NONE_BEGAN,
+    force_text,
+    influence_text,
+    knock_texts,
+    may_not_knock,
+    of_contacts,
+    own_knocks,
+)
 
 LARGEST_LOGO = 1_000_000  # bytes
 PICTURES = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}
 # What the words of tables and facts mean; each is explained below the part in which it occurs first.
 TERMS = {
     "ideal": "the same mechanism with joints without clearance",
-    "change": "by how much clearance raises the force, in per cent of the ideal one",
+    "change": (
+        "by how much clearance raises the largest value, in per cent of the ideal one: local influence"
+        " parameter, LIP(F) of a force, LIP(a) of an angular acceleration"
+    ),
     "knocks": "speed at which the two surfaces of a joint meet, at the hardest impact",
     "penetration": "depth by which the surfaces of a joint press into each other",
     "pressure": "pressure between the surfaces by the theory of Hertz",
-    "LIP(F)": "change of the force by clearance, in per cent of the ideal one",
-    "LIP(a)": "change of the angular acceleration by clearance, in per cent of the ideal one",
     "free flight": "share of the time in which the surfaces do not touch",
     "grazing": "contacts that begin slower than the least impact speed of their law",
     "landed too deep": "contacts that are already deep after their first step; a smaller step resolves them",
@@ -142,7 +151,7 @@ def _cost(summary: Json) -> str:
     change = _change(summary, name)
     return (
         f"With clearance the largest joint force is {force} in joint {name}; with ideal joints it is"
-        f" {ideal_force_text(summary, name)} there{f' ({change})' if change else ''}."
+        f" {ideal_force_text(summary, name)} there{f', {change}' if change else ''}."
     )
 
 
@@ -203,6 +212,8 @@ def _knocks(summary: Json) -> str:
         sentences.append(
             f"Joint {name} knocks hardest: its surfaces meet at up to {loose[name][0]}{remainder}"
         )
+        if may_not_knock(summary, name):
+            sentences.append(f"At other step sizes joint {name} may not knock at all")
     elif loose:
         sentences.append("No joint knocks")
         starts = [f"{name} {start}" for name, (_, start) in loose.items() if start]
@@ -219,7 +230,9 @@ def _speed(summary: Json, joint: str) -> float:
 
 
 def _change(summary: Json, name: str) -> str:
-    return percent(summary["lip"].get(f"{name}.force"), uncertainty(summary, f"{name}.force.lip")).strip()
+    """Return the change of the largest force of a joint by clearance, as the table has it; "" without one."""
+    change = influence_text(summary, f"{name}.force")
+    return f"a change of {change}" if change else ""
 
 
 def explained(sections: Iterable[Section]) -> list[Section]:

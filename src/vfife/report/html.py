@@ -12,7 +12,19 @@ from string import Template
 from typing import TYPE_CHECKING, Any
 
 from .. import __version__
-from .parts import Bullets, Caution, Element, Facts, Figure, Paragraph, Part, Preformatted, Section, Table
+from .parts import (
+    Bullets,
+    Caution,
+    Element,
+    Facts,
+    Figure,
+    Paragraph,
+    Part,
+    Preformatted,
+    Section,
+    Table,
+    with_units,
+)
 
 if TYPE_CHECKING:
     from .document import Document
@@ -109,7 +121,7 @@ def table(
     def line(row: Sequence[Any], tag: str) -> str:
         cells = ""
         for k, cell in enumerate(row):
-            text = cell.html if isinstance(cell, Element) else escape(str(cell))
+            text = cell.html if isinstance(cell, Element) else escape(with_units(str(cell)))
             cells += f"<{tag}{align if k in numbers else ''}>{text}</{tag}>"
         return f"<tr>{cells}</tr>"
 
@@ -124,9 +136,9 @@ def _paragraph(part: Paragraph) -> str:
     if not (part.lead or part.text):
         return ""
     tag = STYLED.get(part.style or ("strong" if part.lead else ""), "")
-    styled = escape(part.lead or part.text)
+    styled = escape(with_units(part.lead or part.text))
     styled = f"<{tag}>{styled}</{tag}>" if tag else styled
-    return f"<p>{styled}{escape(part.text) if part.lead else ''}</p>"
+    return f"<p>{styled}{escape(with_units(part.text)) if part.lead else ''}</p>"
 
 
 DOCUMENTS = {  # module and function that make the document of a class; all other classes are maps

@@ -12,6 +12,7 @@ from ..numerics.scalar import log10, power
 from ..solvers.status import Status
 from ..units import in_rpm
 from . import dead_centres
+from .design_words import and_words
 from .digits import (
     ABOUT_ZERO,
     CERTAIN,
@@ -29,7 +30,6 @@ from .digits import (
     largest_text,
     measure_text,
     over_turns,
-    percent,
     prefixed,
     shaking_text,
     sum_text,
@@ -39,7 +39,20 @@ from .digits import (
 )
 from .document import Document, Facts, Paragraph, Part, Section, Table, paragraphs
 from .run import CONFORMAL, SHARED, document
-from .run_tables import blow_texts, deepest_text, knock_texts, noted, of_contacts
+from .run_tables import (
+    NONE_BEGAN,
+    blow_texts,
+    deepest_text,
+    force_text,
+    influence_text,
+    knock_texts,
+    knocks,
+    lacks_friction,
+    note_on_means,
+    noted,
+    of_contacts,
+    power_text,
+)
 from .trust import (
     UNCOMPARED,
     alternation_words,
@@ -53,6 +66,7 @@ from .trust import (
 )
 
 RELIABLE = "Reliable numerically"  # laws and data of the model are no part of it
+STEPS_ONLY = "at other step sizes only"  # a joint knocks, but not in this run
 NOT_COMPUTED = "not computed"  # friction of ideal joints
 # Times the rise of a joint's largest force above the ideal one: a blow larger than that is stated by itself,
 # because the table of forces does not show it.
@@ -250,7 +264,11 @@ def joint_table(summary: Json) -> Table:
     if any(joint.get("clearance") for joint in summary["joints"].values()):
         words["joint"] = "joint (radial)"
     headings = [words.get(heads[k], heads[k]) for k in used]
-    return noted(Table(headings, table, numbers=range(1, len(headings)), names=(0,)))
+    means = [
+        f"{name}.force.max" for name, row in zip(shown, rows, strict=True) if row[3] and " to " in row[2]
+    ]
+    note = note_on_means(summary, means)
+    return noted(Table(headings, table, numbers=range(1, len(headings)), names=(0,)), note)
 
 
 def _margin(summary: Json, name: str) -> float:
@@ -289,45 +307,13 @@ def _joint_row(summary: Json, name: str, moment: str) -> tuple[str, ...]:
         ideal_force_text(summary, name),
         force_text(summary, measure) + shared,
         turns_text(summary, measure, "N", CERTAIN),
-        # One screen has no room for ranges in these two columns: --long shows them.
-        percent(summary["lip"].get(f"{name}.force"), uncertainty(summary, f"{name}.force.lip")),
+        influence_text(summary, f"{name}.force"),
         moment,
         knock,
         NOT_COMPUTED if lacks_friction(summary, name) else power,
         largest_text(summary, pressures, "Pa", WIDE) if pressures else "",
         deepest_text(summary, name) if joint.get("penetration.max") else "",
     )
-
-
-def power_text(summary: Json, name: str, certain: float) -> str:
-    """Return a mean power, as a range where that is wider than the share ``certain`` of the power."""
-    value, bounds = summary["measures"][name], summary["ranges"].get(name)
-    if bounds is None or not is_estimated(summary, name) or is_about_zero(summary, name):
-        return measure_text(summary, name, "W")
-    width = bounds["high"] - bounds["low"]
-    if is_undetermined(summary, name) or not certain * abs(value) < width < math.inf:
-        return measure_text(summary, name, "W")
-    return interval(bounds["low"], bounds["high"], "W", uncertainty(summary, name))
-
-
-def lacks_friction(summary: Json, name: str) -> bool:
-    """Return whether a joint has a load but, being ideal, no friction, where other joints have some."""
-    measures = summary["measures"]
-    powers = [value for measure, value in measures.items() if measure.endswith(".friction_power.mean")]
-    loaded = bool(measures.get(f"{name}.force.max")) and not is_about_zero(summary, f"{name}.force.max")
-    return any(powers) and loaded and f"{name}.friction_power.mean" not in measures
-
-
-def force_text(summary: Json, name: str, unit: str = "N") -> str:
-    """Return a force or a moment, as a range where it is uncertain; with the same digits wherever an answer
-    has it.
-    """
-    value, width = summary["measures"][name], uncertainty(summary, name)
-    bounds = summary["ranges"].get(name)
-    exact = bounds is None or width <= CERTAIN * abs(value) or not is_estimated(summary, name)
-    if exact or is_about_zero(summary, name) or is_undetermined(summary, name):
-        return measure_text(summary, name, unit)
-    return interval(bounds["low"], bounds["high"], unit, width)
 
 
 def moment_texts(summary: Json) -> dict[str, str]:
@@ -402,19 +388,31 @@ def _noise(summary: Json) -> Iterator[tuple[str, str]]:
     names = [name for name in summary["measures"] if name.endswith(".impact_power.mean")]
     losses = f"; knocks lose {sum_text(summary, names, 'W', SCATTER)}" if names else ""
     harder = rivals(summary, hardest, list(speeds))
-    speed, joint = largest_text(summary, harder, "m/s"), _contact_words(harder)
+    speed, joint = largest_text(summary, harder, "m/s", CERTAIN), _contact_words(harder)
     measured = summary.get("knocks", {})
     start = f"at the start {speed} ({joint})"
     if not measured or any(entry["hardest"] and entry["count"] for entry in measured.values()):
-        yield "Noise", f"hardest knock {speed} ({joint}, whole run){_measured_knock(summary)}{losses}"
+        place = f"{joint}, whole run{_silent_words(summary, harder)}"
+        yield "Noise", f"hardest knock {speed} ({place}){_measured_knock(summary)}{losses}"
     elif not any(entry["count"] for entry in measured.values()):
         yield "Noise", f"no knocks; {start}"
     else:
         contact = max(measured, key=lambda name: float(measured[name]["speed"]))
-        largest = (
-            f"{prefixed(measured[contact]['speed'], 'm/s')} ({_contact_words([contact])}, {NOT_ESTIMATED})"
-        )
+        text = knock_texts(summary, contact.split(".")[0])[0]
+        largest = _with_joint(text, _contact_words([contact]))
         yield "Noise", f"hardest knock {largest}, {start}{losses}"
+
+
+def _silent_words(summary: Json, names: list[str]) -> str:
+    """Return which joints of the measures ``names`` have no knock in the table of joints, and where they
+    have one; "" for none.
+    """
+    silent: dict[str, list[str]] = {}
+    for joint in dict.fromkeys(name.split(".")[0] for name in names):
+        if knock_texts(summary, joint)[0] in ("none", NONE_BEGAN):
+            count = knocks(summary, joint)[0]
+            silent.setdefault("not in the turns of the table" if count else STEPS_ONLY, []).append(joint)
+    return "".join(f"; {and_words(joints)} {words}" for words, joints in silent.items())
 
 
 def blow(summary: Json) -> Iterator[tuple[str, str]]:
@@ -437,7 +435,14 @@ def _measured_knock(summary: Json) -> str:
         return ""
     contact = max(measured, key=lambda name: float(measured[name]["speed"]))
     joint = contact.split(".")[0]
-    return f", {texts[joint][0]} ({joint}) in the turns of the table"
+    return f", {_with_joint(texts[joint][0], joint)} in the turns of the table"
+
+
+def _with_joint(knock: str, joint: str) -> str:
+    """Return the text of a knock with its joint, in one pair of brackets with the note on its error."""
+    mark = f" ({NOT_ESTIMATED})"
+    inside = f"{joint}, {NOT_ESTIMATED}" if knock.endswith(mark) else joint
+    return f"{knock.removesuffix(mark)} ({inside})"
 
 
 def rivals(summary: Json, hardest: str, names: list[str]) -> list[str]:

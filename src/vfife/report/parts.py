@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
 Style = Literal["", "strong", "aside", "caution", "alarm", "code", "faint", "good", "bad"]
+
+NO_BREAK = "\u00a0"  # a space at which no line ends
+UNIT = r"(?:N m|Pa m/s|Pa|N|W|J|mm³|m/s²|m/s|m|s|rad/s²|rad/s|rpm|kg)"
+NUMBER_WITH_UNIT = re.compile(rf"(?<=\d) (?:%|[GMkmµnp]?{UNIT})(?![\w/])")
+
+
+def with_units(text: str) -> str:
+    """Return a text in which a line may not end between a number and its unit."""
+    return NUMBER_WITH_UNIT.sub(lambda match: match[0].replace(" ", NO_BREAK), text)
 
 
 @dataclass(frozen=True)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from ..measures.statics import EXACT
 from ..measures.stops import stop_sentence
 from ..measures.values import NOT_ESTIMATED
+from .design_words import and_words
 from .digits import (
     Json,
     amount,
@@ -23,7 +24,7 @@ from .digits import (
     value_text,
 )
 from .document import Caution, Document, Facts, Paragraph, Part, Table, grouped, paragraphs, quantities
-from .run_tables import blow_texts, reaction, tables
+from .run_tables import blow_texts, noted, reaction, tables
 from .trust import missing_mesh_estimate, trust_lines, turn_lines, verdict
 
 RIPPLE = 10.0  # times the mean torque: a larger ripple is shown as an amplitude
@@ -42,6 +43,7 @@ MESHED = (
 REDUNDANT = "Joints are redundant: rigid bodies do not determine how they share the load."
 REACTIONS = 6  # joints whose reactions fit beside each other
 FACTORS = 40  # load factors that a table shows, evenly
+NAMED = 6  # load factors that are left out of a table and named
 AXES = ("force_x", "force_y")
 
 
@@ -221,8 +223,8 @@ def equilibria(summary: Json, limit: int = FACTORS) -> list[Part]:
     smallest = 1e-9 * max(
         [0.0, *(abs(state["reactions"][name][axis]) for state in factors for name in joints for axis in AXES)]
     )
-    stride, rows = -(-len(factors) // limit), []
-    for state in [*factors[:-1:stride], *factors[-1:]]:
+    shown, rows = [*factors[: -1 : -(-len(factors) // limit)], *factors[-1:]], []
+    for state in shown:
         numbers = (
             f"{state['load_factor']:g}",
             f"{state['iterations']:,}",
@@ -242,7 +244,10 @@ def equilibria(summary: Json, limit: int = FACTORS) -> list[Part]:
     ]
     parts: list[Part] = [
         *paragraphs([done, *run["notes"]]),
-        Table.numeric(heads, rows, "Equilibria, reactions on the journals", texts=0),
+        noted(
+            Table.numeric(heads, rows, "Equilibria, reactions on the journals", texts=0),
+            _omitted_factors(factors, shown, limit),
+        ),
         Table.numeric(("measure", "value", "range"), largest, "Largest values of all load factors"),
         Paragraph(
             MESHED if summary["trust"] else f"Errors are not estimated: {missing_mesh_estimate(summary)}."
@@ -252,3 +257,16 @@ def equilibria(summary: Json, limit: int = FACTORS) -> list[Part]:
         shared = ", ".join(name.removesuffix(".max") for name in summary["not_unique"])
         parts.append(Paragraph(f"Shared by least norm, not unique: {shared}. {REDUNDANT}"))
     return parts
+
+
+def _omitted_factors(factors: Sequence[Json], shown: Sequence[Json], limit: int) -> str:
+    """Return which load factors a table of at most ``limit`` leaves out, by name if they are few, and where
+    they are; "" if it has all.
+    """
+    omitted = [f"{state['load_factor']:g}" for state in factors if state not in shown]
+    if not omitted:
+        return ""
+    named = f"load factor{'s' * (len(omitted) > 1)} {and_words(omitted)}"
+    words = f"{len(omitted):,} load factors between these" if len(omitted) > NAMED else named
+    place = "add --long, or vfife info RUN --long" if limit < FACTORS else "the run file has all"
+    return f"Left out: {words}; {place}."

@@ -24,7 +24,8 @@ from .digits import (
     turns_text,
 )
 from .document import Caution, Document, Facts, Paragraph, Part, Table, grouped
-from .overview import certainty, force_text, heading_sentence, moment_texts, overview
+from .overview import certainty, heading_sentence, moment_texts, overview
+from .run_tables import force_text
 
 if TYPE_CHECKING:
     from ..measures.contacts import Impact, Impacts

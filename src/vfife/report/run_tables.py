@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from ..measures.forces import MODES
 from ..measures.values import NOT_ESTIMATED
 from ..model.surfaces import surface_words
-from ..numerics.outward import UP
+from ..numerics.outward import DOWN, NEAREST, UP, exponent, rounded
 from . import dead_centres
 from .digits import (
     ABOUT_ZERO,
@@ -28,6 +28,7 @@ from .digits import (
     is_ideal_zero,
     is_undetermined,
     largest_text,
+    measure_text,
     percent,
     prefixed,
     share_text,
@@ -48,7 +49,9 @@ LOSSES = (
     ("pressure_velocity.mean", "Pa m/s"),
 )
 NONE_BEGAN = "none; one began before"  # a contact that was closed when the turns of the measures began
-IDEAL = "Errors of the ideal mechanism are not estimated; {} has those of the {}."
+CHANGE = "Change: local influence parameter {}, in per cent of the ideal {}."
+MEANS = "The range of a mean covers turns that were not computed too, so it may reach beyond those shown."
+IDEAL = "Errors of the ideal mechanism are not estimated; the change has those of the {}."
 
 
 def tables(summary: Json) -> list[Table]:
@@ -60,6 +63,7 @@ def tables(summary: Json) -> list[Table]:
     losses = ("joint", "friction", "impacts", "sliding", "line pressure", "half-width", "p v, mean")
     wear = ("surface", "volume", "deepest")
     knock_ranges = count_ranges({"knocks": _knock_counts(summary)})
+    uncertain = any(may_not_knock(summary, joint) for joint in summary["joints"])
     candidates = (
         _joint_table(summary, f"Largest reactions {part}"),
         dead_centres.table(summary, part),
@@ -71,6 +75,7 @@ def tables(summary: Json) -> list[Table]:
                 f"Noise (knocks of the whole run; power: {summary['part']})",
             ),
             knock_ranges,
+            "A range that begins at 0: other step sizes may have no knock at all." * uncertain,
             f"{NOT_ESTIMATED.capitalize()}: in turns measured." if summary["trust"] else "",
         ),
         noted(Table.numeric(losses, list(_loss_rows(summary)), f"Losses and pressures {part}")),
@@ -160,13 +165,10 @@ def _joint_table(summary: Json, title: str) -> Table:
         if depths:
             cells.append(deepest_text(summary, name) if "penetration.max" in joint else "")
         rows.append((name, *cells))
-    heads = [
-        *_headings(summary, "reaction", compared, "LIP(F)"),
-        *["moment"] * moments,
-        *["penetration"] * depths,
-    ]
-    note = IDEAL.format("LIP(F)", "reaction") if compared and summary["trust"] else ""
-    return noted(Table.numeric(("joint", *heads), rows, title), note)
+    heads = [*_headings(summary, "reaction", compared), *["moment"] * moments, *["penetration"] * depths]
+    note = _change_note(summary, "LIP(F)", "reaction") if compared else ""
+    means_note = note_on_means(summary, [f"{name}.force.max" for name in joints])
+    return noted(Table.numeric(("joint", *heads), rows, title), means_note, note)
 
 
 def deepest_text(summary: Json, joint: str) -> str:
@@ -189,19 +191,37 @@ def _body_table(summary: Json, title: str) -> Table:
                 ideal = bodies[name]["ideal_angular_acceleration.max"]
                 cells += _ideal_cells(summary, f"{name}.angular_acceleration", ideal, sizes.values())
             rows.append((name, *cells))
-    note = IDEAL.format("LIP(a)", "acceleration") if compared and summary["trust"] else ""
-    heads = ("body", *_headings(summary, "acceleration", compared, "LIP(a)"))
-    return noted(Table.numeric(heads, rows, title), note)
+    note = _change_note(summary, "LIP(a)", "acceleration") if compared else ""
+    heads = ("body", *_headings(summary, "acceleration", compared))
+    names = [f"{row[0]}.angular_acceleration.max" for row in rows]
+    return noted(Table.numeric(heads, rows, title), note_on_means(summary, names), note)
 
 
-def _headings(summary: Json, measure: str, compared: bool, influence: str) -> list[str]:
+def _change_note(summary: Json, symbol: str, kind: str) -> str:
+    """Return what the change of the largest values of a ``kind`` is, and which errors it has."""
+    note = CHANGE.format(symbol, kind)
+    return f"{note} {IDEAL.format(kind)}" if summary["trust"] else note
+
+
+def note_on_means(summary: Json, names: Iterable[str]) -> str:
+    """Return why ranges of means over turns that do not repeat reach beyond all of these turns; "" where none
+    does.
+    """
+    if (summary["turns"] or {}).get("motion") != "not periodic":
+        return ""
+    bounds = [summary["ranges"][name] for name in names if is_estimated(summary, name)]
+    is_wider = any(ends["low"] < ends["lowest"] or ends["high"] > ends["highest"] for ends in bounds)
+    return MEANS if is_wider else ""
+
+
+def _headings(summary: Json, measure: str, compared: bool) -> list[str]:
     """Return the headings of :func:`_range_cells` and :func:`_ideal_cells`."""
     heads = [measure]
     if summary["trust"] and summary["trust"]["sensitive"]:
         heads = [f"range of {measure}", "mean" if over_several_turns(summary["turns"]) else "this run"]
     elif summary["trust"]:
         heads = [measure, "range"]
-    return heads + ["lowest to highest turn"] * _scatters(summary) + ["ideal", influence] * compared
+    return heads + ["lowest to highest turn"] * _scatters(summary) + ["ideal", "change"] * compared
 
 
 def _scatters(summary: Json) -> bool:
@@ -253,8 +273,41 @@ def _ideal_cells(summary: Json, name: str, ideal: float | None, values: Iterable
     return [ABOUT_ZERO if zero else amount(ideal, unit_of(f"{name}.max")), influence_text(summary, name)]
 
 
+def power_text(summary: Json, name: str, certain: float) -> str:
+    """Return a mean power, as a range where that is wider than the share ``certain`` of the power."""
+    value, bounds = summary["measures"][name], summary["ranges"].get(name)
+    if bounds is None or not is_estimated(summary, name) or is_about_zero(summary, name):
+        return measure_text(summary, name, "W")
+    width = bounds["high"] - bounds["low"]
+    if is_undetermined(summary, name) or not certain * abs(value) < width < math.inf:
+        return measure_text(summary, name, "W")
+    return interval(bounds["low"], bounds["high"], "W", uncertainty(summary, name))
+
+
+def lacks_friction(summary: Json, name: str) -> bool:
+    """Return whether a joint has a load but, being ideal, no friction, where other joints have some."""
+    measures = summary["measures"]
+    powers = [value for measure, value in measures.items() if measure.endswith(".friction_power.mean")]
+    loaded = bool(measures.get(f"{name}.force.max")) and not is_about_zero(summary, f"{name}.force.max")
+    return any(powers) and loaded and f"{name}.friction_power.mean" not in measures
+
+
+def force_text(summary: Json, name: str, unit: str = "N") -> str:
+    """Return a force or a moment, as a range where it is uncertain; with the same digits wherever an answer
+    has it.
+    """
+    value, width = summary["measures"][name], uncertainty(summary, name)
+    bounds = summary["ranges"].get(name)
+    exact = bounds is None or width <= CERTAIN * abs(value) or not is_estimated(summary, name)
+    if exact or is_about_zero(summary, name) or is_undetermined(summary, name):
+        return measure_text(summary, name, unit)
+    return interval(bounds["low"], bounds["high"], unit, width)
+
+
 def influence_text(summary: Json, name: str) -> str:
-    """Return by how many per cent clearances increase a force or acceleration; "" if it is not single."""
+    """Return by how many per cent clearances increase a force or acceleration, as a range where two digits
+    are not known; "" if it is not single.
+    """
     influence, measure = summary["lip"].get(name), f"{name}.lip"
     if influence is None:
         return ""
@@ -344,11 +397,22 @@ def knock_texts(summary: Json, joint: str) -> tuple[str, str]:
     measured = own_knocks(summary, joint)
     if any(entry["hardest"] and entry["count"] for entry in measured) or not measured:
         return ("none" if speed == ABOUT_ZERO else speed), ""
-    hardest = max(entry["speed"] for entry in measured)
+    hardest = max(float(entry["speed"]) for entry in measured)
     if not hardest:
         return NONE_BEGAN if any(entry.get("overlap") for entry in measured) else "none", speed
-    # Two digits, as of a value without an error.
-    return f"{prefixed(hardest, 'm/s', 0.1 * hardest)} ({NOT_ESTIMATED})", speed
+    # Two digits, as of a value without an error, but not more than the hardest of the whole run.
+    fastest = max(
+        float(summary["measures"][name]) for name in of_contacts(summary, joint, "approach_speed.max")
+    )
+    way = DOWN if rounded(hardest, 1 - exponent(hardest)) > fastest else NEAREST
+    text = prefixed(hardest, "m/s", 0.1 * hardest, way)
+    return f"{'0 to ' * may_not_knock(summary, joint)}{text} ({NOT_ESTIMATED})", speed
+
+
+def may_not_knock(summary: Json, joint: str) -> bool:
+    """Return whether a joint knocks in this run, and the range of the number of its knocks begins at zero."""
+    ends = count_range(summary, of_contacts(summary, joint, "impacts"))
+    return bool(knocks(summary, joint)[0]) and ends is not None and ends[0] <= 0
 
 
 def own_knocks(summary: Json, joint: str) -> list[Json]:

@@ -21,8 +21,8 @@ MEANINGLESS = 100.0  # per cent by one per cent: a range that reaches further sa
 WIDE = 0.05  # share of the largest derivative of a measure: wider ranges get a note
 CORRELATED, MOST_PAIRS = 0.5, 6
 COMPARED = (  # numbers of a comparison: key, head, factor to the unit of the head, form without a range
-    ("force", "force, N", 1.0, ",.6g"), ("lip_force", "LIP(F), %", 1.0, ".4g"),
-    ("lip_acceleration", "LIP(a), %", 1.0, ".4g"), ("penetration", "deepest, µm", 1e6, ".4g"),
+    ("force", "force, N", 1.0, ",.6g"), ("lip_force", "change of F, %", 1.0, ".4g"),
+    ("lip_acceleration", "change of a, %", 1.0, ".4g"), ("penetration", "deepest, µm", 1e6, ".4g"),
     ("impacts", "impacts", 1, ","), ("contact_share", "contact, %", 100.0, ".3g"),
 )  # fmt: skip
 # Remedies where no derivative was computed.
@@ -130,9 +130,9 @@ def comparison(result: Comparison, folder: str = "", files: Sequence[str] = ()) 
     ]
     heads = ("contact", "friction", *(head for _, head, _, _ in COMPARED), "lost, J", "wall, s")
     note = (
-        f"Force and depth are the largest ({_part(result)}). LIP(F) and LIP(a) are the largest changes of a"
-        " force and an angular acceleration by clearance, in per cent of those with ideal joints. Contact is"
-        " the mean share of the time of the run."
+        f"Force and depth are the largest ({_part(result)}). Changes of F and a, LIP(F) and LIP(a), are the"
+        " largest of a force and an angular acceleration by clearance, in per cent of those with ideal"
+        " joints. Contact is the mean share of the time of the run."
     )
     parts: list[Part] = [
         Table(heads, rows, numbers=range(2, 10), names=(0, 1)),

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
+from rich.measure import Measurement
 from rich.padding import Padding
 from rich.table import Table as Grid
 from rich.text import Text
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from .document import Document
 
 TEXT_COLUMNS, WIDE_COLUMNS = 100, 120
+UNLIMITED = 10_000  # columns of a terminal that breaks no line
 STYLES = {
     "": "", "strong": "bold", "aside": "italic", "caution": "yellow", "alarm": "bold yellow", "code": "cyan",
     "faint": "dim", "good": "bold green",
@@ -55,7 +57,8 @@ def _part(part: Part, console: Console, errors: Callable[[], Console]) -> None:
         case Table():
             if part.title:
                 console.print(Text(part.title, style="bold"))
-            console.print(Padding.indent(_grid(part), part.indent) if part.indent else _grid(part))
+            grid = _grid(part, console.width - part.indent)
+            console.print(Padding.indent(grid, part.indent) if part.indent else grid)
             if part.note:
                 console.print(Text(part.note, style=STYLES["aside"]))
         case Facts():
@@ -87,7 +90,10 @@ def _paragraph(part: Paragraph, console: Console) -> None:
     console.print(Padding.indent(text, part.indent) if part.indent else text, **options)
 
 
-def _grid(part: Table) -> Grid:
+def _grid(part: Table, columns: int) -> Grid:
+    """Return a table with two spaces between its cells in place of three where it is wider than so many
+    ``columns``.
+    """
     grid = Grid(box=SIMPLE_HEAD, pad_edge=False)
     for k, heading in enumerate(part.headings):
         grid.add_column(
@@ -98,4 +104,7 @@ def _grid(part: Table) -> Grid:
         )
     for row in part.rows:
         grid.add_row(*(Text(str(cell)) for cell in row))
+    unlimited = Console(width=UNLIMITED)
+    if Measurement.get(unlimited, unlimited.options, grid).maximum > columns:
+        grid.padding = (0, 0, 0, 1)
     return grid

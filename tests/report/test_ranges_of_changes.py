@@ -1,0 +1,118 @@
+"""Ranges in answers: of changes by clearance, of means beyond their turns, and of knocks that may be none."""
+
+from __future__ import annotations
+
+import copy
+import io
+from functools import cache
+from typing import Any
+
+import pytest
+from rich.console import Console
+
+import vfife
+from vfife import gallery
+from vfife.report.front import TERMS, conclusion
+from vfife.report.overview import joint_table, overview
+from vfife.report.run_tables import MEANS, knock_texts, may_not_knock, tables
+from vfife.report.terminal import write
+
+Json = dict[str, Any]
+
+
+@cache
+def compressor() -> Json:
+    return vfife.simulate(gallery.compressor(), turns=2, companions=3).summary
+
+
+def altered(ranges: dict[str, tuple[float, float, float]]) -> Json:
+    """The summary with values and ranges of some measures of the small end."""
+    summary = copy.deepcopy(compressor())
+    for measure, (value, low, high) in ranges.items():
+        name = f"small-end.{measure}"
+        summary["measures"][name] = value
+        summary["ranges"][name] |= {"low": low, "high": high}
+        if name.endswith(".lip"):
+            summary["lip"][name.removesuffix(".lip")] = value
+    return summary
+
+
+def cell(table: Any, row: str, heading: str) -> str:
+    (found,) = [cells for cells in table.rows if cells[0].startswith(row)]
+    return found[table.headings.index(heading)]
+
+
+def noise(summary: Json) -> str:
+    console = Console(file=io.StringIO(), width=400)
+    write(overview(summary), console)
+    return next(line for line in console.file.getvalue().splitlines() if line.startswith("Noise"))
+
+
+def test_a_change_by_clearance_has_its_range_and_one_name_everywhere() -> None:
+    """With two known digits it is a number, otherwise a range, even where that contains zero."""
+    summary = altered({"force.lip": (20.0, -8.6, 46.3)})
+    short, long = joint_table(summary), tables(summary)[0]
+    assert "change" in short.headings and "change" in long.headings and "change" in TERMS
+    assert cell(short, "small-end", "change") == cell(long, "small-end", "change") == "-9 to 47 %"
+    assert "LIP(F)" in long.note and "LIP(F)" in TERMS["change"]
+    changes = altered({"force.lip": (1e4, 0.9e4, 1.3e4)})
+    assert any("a change of 9,000 to 13,000 %" in text for text in conclusion(changes)), conclusion(changes)
+    certain = altered({"force.lip": (20.0, 19.9, 20.1)})
+    assert cell(joint_table(certain), "small-end", "change") == "20.0 %"
+
+
+@pytest.mark.parametrize("low", [0.6, 0.8])
+def test_a_range_beyond_all_turns_is_explained(low: float) -> None:
+    """Only of a motion that does not repeat: there the turns are a sample."""
+    name = "small-end.force.max"
+    value = compressor()["measures"][name]
+    summary = altered({"force.max": (value, low * value, 1.1 * value)})
+    for measure in summary["measures"]:
+        if measure.endswith(("force.max", "angular_acceleration.max")) and measure != name:
+            bounds = summary["ranges"][measure]
+            bounds |= {"lowest": 0.5 * bounds["low"], "highest": 2.0 * bounds["high"]}
+    summary["ranges"][name] |= {"lowest": 0.7 * value, "highest": 1.2 * value}
+    summary["turns"] |= {"motion": "not periodic", "count": 40, "first": 1, "last": 2}
+    beyond = low < 0.7
+    assert (MEANS in joint_table(summary).note) == (MEANS in tables(summary)[0].note) == beyond
+    summary["turns"] |= {"motion": "periodic"}
+    assert MEANS not in joint_table(summary).note + tables(summary)[0].note
+
+
+def silent(count: int, speed: float, whole: float) -> Json:
+    """The small end knocks ``count`` times in the turns of the measures, at ``speed`` (m/s), and at
+    ``whole`` in the whole run, by far the hardest.
+    """
+    summary = altered({"approach_speed.max": (whole, whole, whole), "impacts": (17.0, 0.0, 35.0)})
+    summary["knocks"]["small-end"] |= {"count": count, "speed": speed, "hardest": False, "overlap": False}
+    return summary
+
+
+def test_a_joint_without_knocks_in_the_table_is_not_called_a_knocker_without_a_word() -> None:
+    summary = silent(0, 0.0, 5.0)
+    assert knock_texts(summary, "small-end")[0] == "none"
+    assert "(small-end, whole run; small-end not in the turns of the table)" in noise(summary)
+    summary |= {"measures": summary["measures"] | {"small-end.impacts": 0.0}}
+    summary["ranges"]["small-end.approach_speed.max"] |= {"low": 0.0, "high": 5.0}
+    assert "whole run; small-end at other step sizes only)" in noise(summary)
+    assert "step sizes only" not in noise(compressor()) and "not in the turns" not in noise(compressor())
+
+
+def test_knocks_of_a_run_are_rounded_alike() -> None:
+    """The hardest of the turns of the measures is never above that of the whole run."""
+    summary = silent(3, 0.935, 0.936)
+    assert knock_texts(summary, "small-end") == ("0 to 930 mm/s (not estimated)", "936 mm/s")
+    summary["knocks"] = {name: entry | {"hardest": False} for name, entry in summary["knocks"].items()}
+    assert "hardest knock 0 to 930 mm/s (small-end, not estimated), at the start 936 mm/s" in noise(summary)
+    assert knock_texts(silent(3, 0.935, 0.97), "small-end")[0].startswith("0 to 940 mm/s")
+
+
+def test_a_number_of_knocks_from_zero_is_said_in_words() -> None:
+    summary = silent(3, 0.9, 5.0)
+    assert may_not_knock(summary, "small-end")
+    assert "At other step sizes joint small-end may not knock at all." in " ".join(conclusion(summary))
+    (table,) = [table for table in tables(summary) if table.title.startswith("Noise")]
+    assert "A range that begins at 0: other step sizes may have no knock at all." in table.note
+    summary["ranges"]["small-end.impacts"] |= {"low": 3.0}
+    assert knock_texts(summary, "small-end")[0] == "900 mm/s (not estimated)"
+    assert not may_not_knock(summary, "small-end")
