@@ -1,16 +1,19 @@
-"""Share of damping in the largest forces of contacts.
+"""Share of damping in the largest forces of contacts, turn by turn.
 
 A hysteresis law damps in proportion to the rate of penetration over the speed at which the contact began. A
 contact that began slowly and is struck while it is closed has a force far beyond its elastic one. The step
 does not record the parts of the largest force, but between two outputs it keeps the largest force and the
 deepest penetration. The elastic force never exceeds that at the deepest penetration, so the rest of the
-largest force is damping at least.
+largest force is damping at least. Of the earlier turns of a companion that bound uses the deepest penetration
+of the turn.
+
+Turns that do not repeat have other shares, and a single turn represents none of the others. All turns of the
+measures are therefore counted, of the run and of its companions.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -20,34 +23,68 @@ from numpy.typing import NDArray
 from ..laws import ContactLaw
 from ..model.surfaces import surfaces
 from ..solvers.record import Record
-from ..solvers.repeating import turn_grid
 from .repetition import Turns
-from .turns import last_turn
+from .turn_lanes import turn_lanes
 
 Array = NDArray[np.float64]
+
+# Share of a largest force from which on it is called mostly damping.
+MOSTLY = 0.5
 
 
 class Peak(NamedTuple):
     """The largest ``force`` (N) of a contact in a turn, the ``elastic`` force (N) that it has at most, and
-    the ``onset`` (m/s), the speed at which the contact began; NaN where it began between the same outputs.
+    the ``onset`` (m/s), the speed at which the contact began; NaN where it is not recorded or the contact
+    began between the same outputs.
     """
 
     force: float
     elastic: float
     onset: float
 
+    @property
+    def share(self) -> float:
+        """The least share of the force that is damping (1)."""
+        return max(1.0 - self.elastic / self.force, 0.0) if self.force > 0.0 else 0.0
+
 
 @dataclass(frozen=True)
-class DampedPeak:
-    """The largest force of a joint, as the mean over the turns of the measures: ``force`` (N), the least
-    ``share`` of it that is damping (1), and of the largest of these peaks the least ``ratio`` of its rate to
-    the speed of the onset (1), and that speed ``onset`` (m/s); NaN where unknown.
+class DampedPeaks:
+    """The largest forces of a joint: the peaks of the turns of each of ``lanes``, the run first.
+    ``factor``: the damping factor (1) of a hysteresis law; NaN for laws that divide by no speed.
     """
 
-    force: float
-    share: float
-    ratio: float
-    onset: float
+    lanes: tuple[tuple[Peak, ...], ...]
+    factor: float
+
+    @property
+    def turns(self) -> int:
+        """Number of turns of all lanes."""
+        return sum(len(lane) for lane in self.lanes)
+
+    @property
+    def damped(self) -> int:
+        """Number of turns of all lanes whose largest force is mostly damping."""
+        return sum(_damped(lane) for lane in self.lanes)
+
+    @property
+    def frequency(self) -> float:
+        """Share of turns (1) whose largest force is mostly damping, of the lane with most of them: a contact
+        may keep the speed of its onset for many turns, in one lane and not in another.
+        """
+        return max(_damped(lane) / len(lane) for lane in self.lanes)
+
+    @property
+    def largest(self) -> Peak:
+        """The peak with the largest share of damping."""
+        return max((peak for lane in self.lanes for peak in lane), key=lambda peak: peak.share)
+
+    @property
+    def ratio(self) -> float:
+        """The least rate (1) in :attr:`largest` over the speed of the onset; NaN where unknown."""
+        force, elastic, _ = self.largest
+        known = elastic > 0.0 and self.factor > 0.0
+        return (force / elastic - 1.0) / self.factor if known else math.nan
 
 
 class Extremes(NamedTuple):
@@ -62,43 +99,56 @@ class Extremes(NamedTuple):
     onsets: Array | None
 
 
+BLOCKS = "contact_force_squared_max", "contact_penetration_max"
 ONSET_BLOCKS = "contact_slowness", "contact_onsets"
 
 
-def damped_peaks(record: Record, motion: Turns | None) -> dict[str, DampedPeak]:
-    """Return the share of damping in the largest force of each joint with clearance; none of oil films and
-    tables, whose forces have other parts.
+def damped_peaks(record: Record, motion: Turns | None) -> dict[str, DampedPeaks]:
+    """Return the largest forces of each joint with clearance in each turn of the run and of its companions;
+    none of oil films and tables, whose forces have other parts.
     """
-    blocks = ("contact_force_squared_max", "contact_penetration_max")
-    if record.static or not record.assembly.contacts or not all(record.keeps(block) for block in blocks):
+    if record.static or not record.assembly.contacts or not all(record.keeps(block) for block in BLOCKS):
         return {}
-    largest: dict[str, DampedPeak] = {}
-    # Read once: a block of a long run has millions of numbers, and a turn of each contact needs a few.
-    extremes = Extremes(
-        *(record.block(block) for block in blocks),
-        *(record.block(block) if record.keeps(block) else None for block in ONSET_BLOCKS),
+    lanes: dict[str, dict[int, list[Peak]]] = {}
+    laws = contact_laws(record)
+    for lane, part, turns in turn_lanes(record, motion):
+        extremes = _extremes(part)
+        for rows in turns:
+            largest: dict[str, Peak] = {}
+            for k, name in enumerate(record.assembly.contact_joints):
+                if name in laws:
+                    peak = _peak(extremes, k, rows, *laws[name])
+                    largest[name] = max(largest.get(name, peak), peak, key=lambda one: one.force)
+            for name, peak in largest.items():
+                lanes.setdefault(name, {}).setdefault(lane, []).append(peak)
+    return {
+        name: DampedPeaks(
+            tuple(map(tuple, peaks.values())), float(getattr(laws[name][0], "damping_factor", math.nan))
+        )
+        for name, peaks in lanes.items()
+    }
+
+
+def _damped(lane: tuple[Peak, ...]) -> int:
+    return sum(peak.share > MOSTLY for peak in lane)
+
+
+def contact_laws(record: Record) -> dict[str, tuple[ContactLaw, tuple[float, ...]]]:
+    """Return the law of each joint with clearance and the numbers of its slots, without films and tables."""
+    mechanism = record.assembly.mechanism
+    return {
+        name: (joint.contact, joint.contact.parameters(surfaces(mechanism, joint)))
+        for name, joint in mechanism.contacts.items()
+        if not joint.contact.film and not joint.contact.tabled
+    }
+
+
+def _extremes(record: Record) -> Extremes:
+    """Read the blocks of a record once: a long run has millions of numbers, and a turn needs a few."""
+    squares, depths = (record.block(block) for block in BLOCKS)
+    return Extremes(
+        squares, depths, *(record.block(block) if record.keeps(block) else None for block in ONSET_BLOCKS)
     )
-    for k, name in enumerate(record.assembly.contact_joints):
-        joint = record.assembly.mechanism.contacts[name]
-        law = joint.contact
-        if law.film or law.tabled:
-            continue
-        p = law.parameters(surfaces(record.assembly.mechanism, joint))
-        peak = _mean([_peak(extremes, k, rows, law, p) for rows in windows(record, motion)], law, p)
-        if name not in largest or peak.force > largest[name].force:
-            largest[name] = peak
-    return largest
-
-
-def windows(record: Record, motion: Turns | None) -> Iterator[slice]:
-    """Yield the outputs of each turn that measures are of."""
-    grid = turn_grid(record.assembly)
-    if motion is not None and motion.has_several and grid is not None:
-        for turn in range(motion.first, motion.last + 1):
-            yield slice(grid.end(turn - 1) + 1, grid.end(turn) + 1)
-    else:
-        rows = np.flatnonzero(last_turn(record))
-        yield slice(int(rows[0]), int(rows[-1]) + 1)
 
 
 def _peak(extremes: Extremes, k: int, rows: slice, law: ContactLaw, p: tuple[float, ...]) -> Peak:
@@ -118,12 +168,3 @@ def _onset(extremes: Extremes, row: int, k: int) -> float:
     slowness = float(extremes.slowness[row - 1, k])
     onsets = extremes.onsets[row - 1 : row + 1, k]
     return 1.0 / slowness if slowness > 0.0 and onsets[0] == onsets[1] else math.nan
-
-
-def _mean(peaks: list[Peak], law: ContactLaw, p: tuple[float, ...]) -> DampedPeak:
-    force = math.fsum(peak.force for peak in peaks) / len(peaks)
-    elastic = math.fsum(min(peak.elastic, peak.force) for peak in peaks) / len(peaks)
-    top = max(peaks, key=lambda peak: peak.force)
-    factor = float(getattr(law, "damping_factor", math.nan))  # of hysteresis laws; others divide by no speed
-    ratio = (top.force / top.elastic - 1.0) / factor if top.elastic > 0.0 and factor > 0.0 else math.nan
-    return DampedPeak(force, 1.0 - elastic / force if force > 0.0 else 0.0, ratio, top.onset)
