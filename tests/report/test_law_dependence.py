@@ -12,10 +12,8 @@ import pytest
 import vfife
 from vfife.gallery import load as gallery_model
 from vfife.laws import ContactLaw, Hertz, LankaraniNikravesh
-from vfife.measures.damped_peaks import contact_laws, damped_peaks
 from vfife.measures.forces import joint_force_max, joint_rows
-from vfife.measures.raised_peaks import RaisedPeaks, raised_peaks
-from vfife.measures.turn_lanes import turn_lanes
+from vfife.measures.turn_peaks import RaisedPeaks, contact_laws, damped_peaks, raised_peaks, turn_lanes
 from vfife.modelfile import load
 from vfife.report.damping_cautions import blow_cautions, comparison, damping_cautions, law_change
 from vfife.report.overview import certainty

@@ -16,7 +16,7 @@ from ..solvers.record import Record
 from ..solvers.repeating import outputs_of_a_turn
 from .forces import joint_force_max, joint_rows
 from .repetition import Turns
-from .turn_lanes import windows
+from .turn_peaks import windows
 
 Array = NDArray[np.float64]
 

@@ -11,8 +11,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from ..laws.contact.forms import PointContact
-from ..measures.damped_peaks import DampedPeaks, contact_laws, damped_peaks
-from ..measures.raised_peaks import RaisedPeaks, raised_peaks
+from ..measures.turn_peaks import DampedPeaks, RaisedPeaks, contact_laws, damped_peaks, raised_peaks
 from ..numerics.outward import DOWN, significant
 from .digits import prefixed
 
@@ -55,12 +54,12 @@ def damping_cautions(result: RunData) -> dict[str, str]:
     return sentences
 
 
-def blow_cautions(result: RunData, others: Iterable[str]) -> dict[str, str]:
+def blow_cautions(result: RunData, exceptions: Iterable[str]) -> dict[str, str]:
     """Return one sentence for all joints whose forces the step moves and whose largest force is made by a
-    blow in a tenth of the turns or more; without ``others``, which have a caution already.
+    blow in a tenth of the turns or more; without ``exceptions``, which have a caution already.
     """
     mechanism, laws = result.record.assembly.mechanism, contact_laws(result.record)
-    counts = {name: peaks for name, peaks in _blow_counts(result).items() if name not in others}
+    counts = {name: peaks for name, peaks in _blow_counts(result).items() if name not in exceptions}
     if not counts:
         return {}
     undamped = [name for name in counts if _is_undamped(*laws[name])]
@@ -79,8 +78,8 @@ def comparison(mechanism: Mechanism, joints: Iterable[str]) -> str:
     """
     names = list(joints)
     if all(name in mechanism.clearances for name in names):
-        own = [mechanism.contacts[name].contact.name for name in names]
-        laws = ",".join(dict.fromkeys([*own, *COMPARED]))
+        used = [mechanism.contacts[name].contact.name for name in names]
+        laws = ",".join(dict.fromkeys([*used, *COMPARED]))
         return f"vfife compare MODEL --contact {laws} --companions 3, with the other options of this run"
     changes = [(name, law_change(mechanism.contacts[name].contact)) for name in names]
     options = " ".join(f"--set joint.{name}.contact.{change}" for name, change in changes if change)

@@ -11,8 +11,7 @@ import pytest
 import vfife
 from support import go, journal_in_bearing
 from vfife.laws import Frictionless, Hertz, LankaraniNikravesh
-from vfife.measures.damped_peaks import DampedPeaks, Peak, damped_peaks
-from vfife.measures.turn_lanes import turn_lanes, windows
+from vfife.measures.turn_peaks import DampedPeaks, Peak, damped_peaks, turn_lanes, windows
 from vfife.model.surfaces import surfaces
 from vfife.modelfile import load
 from vfife.report.damping_cautions import damping_cautions
