@@ -11,7 +11,7 @@ import pytest
 import vfife
 from support import go, journal_in_bearing
 from vfife.laws import Frictionless, Hertz, LankaraniNikravesh
-from vfife.measures.turn_peaks import DampedPeaks, Peak, damped_peaks, turn_lanes, windows
+from vfife.measures.turn_peaks import DampedPeaks, Peak, RaisedPeaks, damped_peaks, turn_lanes, windows
 from vfife.model.surfaces import surfaces
 from vfife.modelfile import load
 from vfife.report.damping_cautions import damping_cautions
@@ -158,3 +158,14 @@ def test_the_share_of_turns_decides_not_the_blow_that_holds_the_peak(monkeypatch
     found = damping_cautions(result)
     assert list(found) == ([] if said is None else ["big-end"])
     assert said is None or said in found["big-end"]
+
+
+def test_one_turn_of_one_lane_suffices_only_where_no_blow_is_cautioned_about(monkeypatch) -> None:
+    result, peaks = compressor("1e-3 m/s"), made("----------", "---------+", "----------")
+    monkeypatch.setattr(
+        "vfife.report.damping_cautions.damped_peaks", lambda record, motion: {"big-end": peaks}
+    )
+    assert list(damping_cautions(result)) == ["big-end"]
+    blows = {"big-end": RaisedPeaks(30, 30)}
+    monkeypatch.setattr("vfife.report.damping_cautions._blow_counts", lambda run: blows)
+    assert damping_cautions(result) == {}
