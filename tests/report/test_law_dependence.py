@@ -77,8 +77,8 @@ def test_a_law_without_damping_is_as_decisive_and_moves_the_force_beyond_its_ran
     assert damping_cautions(undamped) == {}
     (text,) = set(blow_cautions(undamped, ()).values())
     assert text.startswith("Joints big-end, small-end, cylinder: blows make the largest force")
-    assert (
-        "the contact law (hertz without damping)" in text and "without damping" not in warnings_of(damped)["cylinder"]
+    assert "the contact law (hertz without damping)" in text
+    assert "without damping" not in warnings_of(damped)["cylinder"]
     for name in ("big-end", "cylinder"):
         low, high = (run.measures[f"{name}.force.max"] for run in (damped, undamped))
         assert high.low > low.high
@@ -136,7 +136,7 @@ def test_a_tenth_of_the_turns_decides(monkeypatch, raised, cautioned) -> None:
     ],
 )
 def test_a_motion_that_does_not_repeat_or_a_wide_range_is_sensitive(
-    monkeypatch, motion, width, estimated, cautioned
+    motion, width, estimated, cautioned
 ) -> None:
     result = small("33 um")
     force = SimpleNamespace(value=1000.0, width=1000.0 * width, estimated=estimated)
