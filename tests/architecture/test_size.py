@@ -14,8 +14,8 @@ from architecture.size import Size, size_of, sizes, tokens
 
 LIMITS = Size(
     files=500,
-    code=69_000,
-    tokens=692_000,
+    code=70_000,
+    tokens=702_000,
     import_lines=6_800,
     inner_imports=101,
     many_arguments=10,

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from ..solvers.record import Record
 from ..solvers.repeating import outputs_of_a_turn
-from .damped_peaks import windows
 from .forces import joint_force_max, joint_rows
 from .repetition import Turns
+from .turn_peaks import windows
 
 Array = NDArray[np.float64]
 

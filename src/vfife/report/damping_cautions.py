@@ -1,60 +1,159 @@
-"""Cautions about largest forces that are mostly damping of the contact law."""
+"""Cautions about largest forces that the contact law decides: by its damping, or because blows make them.
+
+Whether a caution appears depends on the share of turns of the run and its companions, not on the single blow
+that holds the peak.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
-from ..measures.damped_peaks import DampedPeak, damped_peaks
+from ..laws.contact.forms import PointContact
+from ..measures.turn_peaks import DampedPeaks, RaisedPeaks, contact_laws, damped_peaks, raised_peaks
 from ..numerics.outward import DOWN, significant
 from .digits import prefixed
 
 if TYPE_CHECKING:
+    from ..laws import ContactLaw
     from ..model.joints import Contact
+    from ..model.mechanism import Mechanism
     from ..results.run_data import RunData
 
-# Share of a largest force from which on its damping is mentioned.
-MOSTLY = 0.5
+# Share of the turns from which on their largest forces are mentioned: means and ranges contain every turn.
+TURNS = 0.1
 # Rate over the speed of the onset beyond which a contact was struck while it was closed: in a free impact the
 # rate is never larger than at the onset.
 STRUCK = 1.1
+# Width of the range of a force over its value from which on its motion is sensitive.
+SENSITIVE_FORCE = 0.1
+# Laws of a comparison, from no loss of energy to much.
+COMPARED = "hertz", "lankarani-nikravesh", "gonthier"
 
 
 def damping_cautions(result: RunData) -> dict[str, str]:
-    """Return a sentence on each joint whose largest force is damping by more than a half, with what bounds
-    it.
+    """Return a sentence on each joint whose largest force is mostly damping in a tenth of the turns or more,
+    with what bounds it. For a joint without blows a tenth of the turns of one lane suffices, because of
+    companions only the least shares are known.
     """
+    mechanism, blows = result.record.assembly.mechanism, _blow_counts(result)
     sentences = {}
-    for name, peak in damped_peaks(result.record, result.motion).items():
-        if peak.share > MOSTLY:
-            share, force = significant(100.0 * peak.share, 2, DOWN), prefixed(float(f"{peak.force:.2g}"), "N")
-            cause = _cause(peak, result.record.assembly.mechanism.contacts[name])
-            sentences[name] = (
-                f"Joint {name}: at least {share} % of its peak of {force} is damping of the contact law,"
-                f" as the penetration shows. {cause}"
-            )
+    for name, peaks in damped_peaks(result.record, result.motion).items():
+        if peaks.damped < TURNS * peaks.turns and (name in blows or peaks.frequency < TURNS):
+            continue
+        share = significant(100.0 * peaks.largest.share, 2, DOWN)
+        amount = f"at least {share} % of its largest force"
+        if peaks.damped < peaks.turns:
+            count = f"at least {peaks.damped} of {peaks.turns} turns{_of_lanes(result)}"
+            amount = f"in {count} more than half of its largest force ({share} % or more in one)"
+        sentences[name] = (
+            f"Joint {name}: {amount} is damping of the contact law. The range covers the step, not the law:"
+            f" {comparison(mechanism, [name])}. {_cause(peaks, mechanism.contacts[name])}"
+        )
     return sentences
 
 
-def _cause(peak: DampedPeak, joint: Contact) -> str:
+def blow_cautions(result: RunData, exceptions: Iterable[str]) -> dict[str, str]:
+    """Return one sentence for all joints whose forces the step moves and whose largest force is made by a
+    blow in a tenth of the turns or more; without ``exceptions``, which have a caution already.
+    """
+    mechanism, laws = result.record.assembly.mechanism, contact_laws(result.record)
+    counts = {name: peaks for name, peaks in _blow_counts(result).items() if name not in exceptions}
+    if not counts:
+        return {}
+    undamped = [name for name in counts if _is_undamped(*laws[name])]
+    law = f" ({mechanism.contacts[undamped[0]].contact.name} without damping)" if undamped else ""
+    text = (
+        f"Joint{'s' * (len(counts) > 1)} {_listed(counts, _of_lanes(result))}: blows make the largest force."
+        f" Its range covers the step, not the contact law{law}, which decides how hard blows are:"
+        f" {comparison(mechanism, counts)}."
+    )
+    return dict.fromkeys(counts, text)
+
+
+def comparison(mechanism: Mechanism, joints: Iterable[str]) -> str:
+    """Return how to find out by how much the contact law moves the forces of ``joints``: the command that
+    compares laws of pins, changes for others.
+    """
+    names = list(joints)
+    if all(name in mechanism.clearances for name in names):
+        used = [mechanism.contacts[name].contact.name for name in names]
+        laws = ",".join(dict.fromkeys([*used, *COMPARED]))
+        return f"vfife compare MODEL --contact {laws} --companions 3, with the other options of this run"
+    changes = [(name, law_change(mechanism.contacts[name].contact)) for name in names]
+    options = " ".join(f"--set joint.{name}.contact.{change}" for name, change in changes if change)
+    return f"run it again with {options}" if options else "run it again with another law"
+
+
+def law_change(law: ContactLaw) -> str:
+    """Return a change of a law that decides how much energy a blow loses, as ``key=value``; "" for none."""
+    if isinstance(factor := getattr(law, "damping", None), str):
+        return "damping=gonthier" if factor == "none" else "damping=none"
+    if (damping := getattr(law, "damping_coefficient", 0.0)) > 0.0:
+        return f"damping_coefficient={10.0 * damping:g}"
+    if isinstance(law, PointContact):
+        return "law=hertz"
+    return "restitution=0.1" if hasattr(law, "restitution") else ""
+
+
+def _blow_counts(result: RunData) -> dict[str, RaisedPeaks]:
+    """Return the joints whose forces the step moves and whose largest force is made by a blow in a tenth of
+    the turns or more.
+    """
+    if result.reference is None or result.record.static:
+        return {}
+    laws = contact_laws(result.record)
+    return {
+        name: peaks
+        for name, peaks in raised_peaks(result.record, result.reference.measures, result.motion).items()
+        if name in laws and _is_sensitive(result, name)
+        if peaks.raised >= max(TURNS * peaks.turns, 1.0)
+    }
+
+
+def _listed(counts: Mapping[str, RaisedPeaks], lanes: str) -> str:
+    """Return names of joints, each with its number of turns where that is not all of them."""
+    return ", ".join(
+        name if peaks.raised == peaks.turns else f"{name} (in {peaks.raised} of {peaks.turns} turns{lanes})"
+        for name, peaks in counts.items()
+    )
+
+
+def _is_undamped(law: ContactLaw, p: tuple[float, ...]) -> bool:
+    """Return whether a law loses no energy, at a penetration (m) and an impact speed (m/s) of no import."""
+    return law.force(1e-6, 1.0, p)[1] == 0.0
+
+
+def _is_sensitive(result: RunData, name: str) -> bool:
+    """Return whether the largest force of a joint scatters by chance, or depends on the step."""
+    if result.motion is not None and result.motion.motion == "not periodic":
+        return True
+    force = result.measures.get(f"{name}.force.max")
+    return force is not None and force.estimated and force.width > SENSITIVE_FORCE * abs(force.value)
+
+
+def _of_lanes(result: RunData) -> str:
+    return "" if result.record.companions is None else " of the run and its companions"
+
+
+def _cause(peaks: DampedPeaks, joint: Contact) -> str:
     """Return why damping is large, and which settings bound it."""
-    law = joint.contact
-    if math.isnan(peak.ratio):
-        return f"It depends on the damping of {law.name}: compare other values of it, or another law."
-    if peak.ratio <= STRUCK:
+    law, ratio, onset = joint.contact, peaks.ratio, peaks.largest.onset
+    if math.isnan(ratio):
+        return f"It depends on the damping of {law.name}."
+    if ratio <= STRUCK:
         restitution, factor = (getattr(law, key, math.nan) for key in ("restitution", "damping_factor"))
         return (
-            f"That follows from the restitution of {restitution:.4g}, a damping factor of {factor:.3g}:"
-            " compare another restitution, or another law."
+            f"It follows from the restitution of {restitution:.4g}, a damping factor of {factor:.3g}: compare"
+            " another restitution too."
         )
     floor = prefixed(joint.impact_speed_floor, "m/s")
-    ratio = significant(peak.ratio, 2, DOWN)
-    onset = "slowly" if math.isnan(peak.onset) else f"at {prefixed(peak.onset, 'm/s')}"
-    speed = joint.impact_speed_floor if math.isnan(peak.onset) else peak.onset
-    rate = prefixed(float(f"{peak.ratio * speed:.1g}"), "m/s")
+    began = "slowly" if math.isnan(onset) else f"at {prefixed(onset, 'm/s')}"
+    speed = joint.impact_speed_floor if math.isnan(onset) else onset
+    rate = prefixed(float(f"{ratio * speed:.1g}"), "m/s")
     return (
-        f"The damping of {law.name} is proportional to the rate over the speed of the onset. This contact"
-        f" began {onset} and was struck while closed, at {ratio} times that speed or more. Such a force"
-        f" may depend on impact_speed_floor ({floor} here), which bounds it: compare {rate} and ten times"
-        ' that, or the law "hertz" with damping = "none", which loses no energy, and quote the range.'
+        f"The damping of {law.name} is proportional to the rate over the speed of the onset; a contact that"
+        f" began {began} was struck while closed, at {significant(ratio, 2, DOWN)} times that speed or more."
+        f" impact_speed_floor ({floor} here) bounds it too: compare {rate}."
     )

@@ -1,0 +1,195 @@
+"""The caution on forces that the contact law decides: the same at neighbouring clearances, confirmed by
+another law, and absent where blows do not make the largest force.
+"""
+
+import dataclasses
+import math
+from functools import cache
+from types import SimpleNamespace
+
+import pytest
+
+import vfife
+from vfife.gallery import load as gallery_model
+from vfife.laws import ContactLaw, Hertz, LankaraniNikravesh
+from vfife.measures.forces import joint_force_max, joint_rows
+from vfife.measures.turn_peaks import RaisedPeaks, contact_laws, damped_peaks, raised_peaks, turn_lanes
+from vfife.modelfile import load
+from vfife.report.damping_cautions import blow_cautions, comparison, damping_cautions, law_change
+from vfife.report.overview import certainty
+from vfife.simulation.result import Result
+
+MODEL = "examples/compressor.toml"
+PINS = ("big-end", "small-end")
+JOINTS = (*PINS, "cylinder")
+# A small compressor at 2,850 rpm whose pins are worn: the gas throws its big-end across the bearing in every
+# turn, and the contact may keep the speed of a landing for many turns.
+SMALL = {
+    "body.crank.length": "15 mm", "body.crank.mass": "0.8 kg", "body.crank.inertia": "0.002 kg m^2",
+    "body.rod.length": "68 mm", "body.rod.mass": "90 g", "body.rod.inertia": "6e-5 kg m^2",
+    "body.rod.center_at": "22 mm", "body.piston.mass": "85 g", "body.piston.inertia": "2e-5 kg m^2",
+    "body.piston.position": [0.053, 0.0], "joint.big-end.bearing_radius": "8 mm",
+    "joint.big-end.axial_length": "14 mm", "joint.small-end.bearing_radius": "5.5 mm",
+    "joint.small-end.axial_length": "14 mm", "joint.cylinder.clearance": "30 um",
+    "joint.cylinder.length": "32 mm", "joint.cylinder.height": "38 mm", "driver.crank.speed": "2850 rpm",
+    "load.gas.bore": "38 mm", "load.gas.zero_travel": "83 mm",
+}  # fmt: skip
+
+
+@cache
+def small(clearance: str, law: str = "lankarani-nikravesh") -> Result:
+    travels = [travel * 30.0 / 46.0 for travel in load(MODEL).loads["gas"].travels]
+    changes = [*SMALL.items(), ("load.gas.travels", travels)]
+    changes += [(f"joint.{name}.clearance", clearance) for name in PINS]
+    changes += [(f"joint.{name}.contact.law", law) for name in JOINTS]
+    return vfife.simulate(load(MODEL, set=changes), turns=20)
+
+
+def warnings_of(result: Result) -> dict[str, str]:
+    """Return the warning about each joint whose force depends on the law."""
+    damped = damping_cautions(result)
+    return damped | blow_cautions(result, damped)
+
+
+def test_a_neighbouring_clearance_has_the_same_caution() -> None:
+    """Of the run alone, 46 % and 86 % of the mean peak are damping at least; turns of all lanes agree."""
+    shares = []
+    for clearance in ("33 um", "34 um"):
+        result = small(clearance)
+        (run, *companions) = damped_peaks(result.record, result.motion)["big-end"].lanes
+        assert len(run) == 10 and len(companions) == 3
+        elastic = math.fsum(min(peak.elastic, peak.force) for peak in run)
+        shares.append(1.0 - elastic / math.fsum(peak.force for peak in run))
+        assert list(result.summary["law_dependent"]) == ["big-end"]
+        assert "The force of big-end depends more on the contact law" in certainty(result.summary)
+        assert set(warnings_of(result)) == set(JOINTS)
+        (text,) = {warnings_of(result)[name] for name in ("small-end", "cylinder")}
+        assert (
+            text in result.summary["warnings"]
+            and "Joints small-end (in " in text
+            and "), cylinder: blows" in text
+        )
+    assert shares[0] < 0.5 < 0.8 < shares[1]
+
+
+def test_a_law_without_damping_is_as_decisive_and_moves_the_force_beyond_its_range() -> None:
+    undamped, damped = small("33 um", "hertz"), small("33 um")
+    assert damping_cautions(undamped) == {}
+    (text,) = set(blow_cautions(undamped, ()).values())
+    assert text.startswith("Joints big-end, small-end, cylinder: blows make the largest force")
+    assert "the contact law (hertz without damping)" in text
+    assert "without damping" not in warnings_of(damped)["cylinder"]
+    for name in ("big-end", "cylinder"):
+        low, high = (run.measures[f"{name}.force.max"] for run in (damped, undamped))
+        assert high.low > low.high
+
+
+def test_counts_are_those_of_the_forces_of_each_turn() -> None:
+    result = small("33 um")
+    reference = result.reference.measures
+    counts = raised_peaks(result.record, reference, result.motion)
+    for name in JOINTS:
+        limit = 1.25 * reference[f"{name}.force.max"]
+        peaks = [
+            joint_force_max(part)[rows, list(joint_rows(part)).index(name)].max()
+            for _, part, turns in turn_lanes(result.record, result.motion)
+            for rows in turns
+        ]
+        assert counts[name] == RaisedPeaks(sum(peak > limit for peak in peaks), 40)
+    assert 0 < counts["small-end"].raised < 40
+
+
+def test_a_force_that_follows_the_ideal_mechanism_has_no_caution() -> None:
+    """The compressor of the gallery is sensitive, and every damped law gives its forces within 2 %."""
+    result = vfife.simulate(gallery_model("compressor"), turns=2)
+    assert result.summary["trust"]["sensitive"]
+    assert warnings_of(result) == {}
+
+
+def test_a_periodic_motion_has_no_caution_although_blows_make_its_forces() -> None:
+    """There the step changes nothing, and no range covers anything else."""
+    result = vfife.simulate(gallery_model("four_bar"))
+    counts = raised_peaks(result.record, result.reference.measures, result.motion)
+    assert counts["B"].raised == counts["B"].turns == 24
+    assert blow_cautions(result, ()) == {}
+
+
+@pytest.mark.parametrize(("raised", "cautioned"), [(0, False), (3, False), (4, True), (40, True)])
+def test_a_tenth_of_the_turns_decides(monkeypatch, raised, cautioned) -> None:
+    counts = {"big-end": RaisedPeaks(raised, 40)}
+    monkeypatch.setattr("vfife.report.damping_cautions.raised_peaks", lambda *of: counts)
+    found = blow_cautions(small("33 um"), ())
+    assert ("big-end" in found) == cautioned
+    assert not cautioned or (f"big-end (in {raised} of 40 turns of the run" in found["big-end"]) == (
+        raised < 40
+    )
+    assert blow_cautions(small("33 um"), ["big-end"]) == {}
+
+
+@pytest.mark.parametrize(
+    ("motion", "width", "estimated", "cautioned"),
+    [
+        ("not periodic", 0.01, True, True),
+        ("periodic", 0.01, True, False),
+        ("unsettled", 0.2, True, True),
+        ("unsettled", 0.2, False, False),
+    ],
+)
+def test_a_motion_that_does_not_repeat_or_a_wide_range_is_sensitive(
+    motion, width, estimated, cautioned
+) -> None:
+    result = small("33 um")
+    force = SimpleNamespace(value=1000.0, width=1000.0 * width, estimated=estimated)
+    changed = SimpleNamespace(
+        record=result.record,
+        reference=result.reference,
+        motion=dataclasses.replace(result.motion, motion=motion),
+        measures={f"{name}.force.max": force for name in JOINTS},
+    )
+    assert bool(blow_cautions(changed, ())) == cautioned
+
+
+NUMBERS = {
+    "stiffness": 1e8, "damping_coefficient": 100.0, "exponent": 1.5, "full_damping_depth": 1e-5,
+}  # fmt: skip
+
+
+def loss(law: ContactLaw, mechanism: vfife.Mechanism) -> float:
+    """Return the damping coefficient (N s/m) of a law at 2 µm after an impact at 0.1 m/s."""
+    joint = dataclasses.replace(mechanism.joints["small-end"], contact=law)
+    changed = dataclasses.replace(mechanism, joints={**mechanism.joints, "small-end": joint})
+    result = SimpleNamespace(assembly=SimpleNamespace(mechanism=changed))
+    found, p = contact_laws(result)["small-end"]
+    return float(found.force(2e-6, 10.0, p)[1])
+
+
+@pytest.mark.parametrize(
+    "name", sorted(name for name, law in ContactLaw.registry.items() if not law.film and not law.tabled)
+)
+def test_the_change_that_a_caution_names_is_accepted_and_changes_the_loss(name: str, tmp_path) -> None:
+    law_class = ContactLaw.registry[name]
+    names = [one.name for one in dataclasses.fields(law_class)]
+    values = {key: value for key, value in NUMBERS.items() if key in names}
+    values |= {"restitution": 0.6} if "restitution" in names else {}
+    base = gallery_model("compressor")
+    law = law_class(**values)
+    joint = dataclasses.replace(base.joints["small-end"], contact=law)
+    mechanism = dataclasses.replace(base, joints={**base.joints, "small-end": joint})
+    path = tmp_path / "model.toml"
+    vfife.save_model(mechanism, path)
+    key, value = law_change(law).split("=")
+    changed = load(path, set=[(f"joint.small-end.contact.{key}", value)]).joints["small-end"].contact
+    before, after = loss(law, mechanism), loss(changed, mechanism)
+    assert abs(after - before) > 0.5 * max(before, after)
+
+
+def test_a_comparison_names_each_law_once_and_other_contacts_by_their_changes() -> None:
+    base = gallery_model("compressor")
+    command = comparison(base, PINS)
+    assert command.startswith(
+        "vfife compare MODEL --contact lankarani-nikravesh,hertz,gonthier --companions 3"
+    )
+    joint = dataclasses.replace(base.joints["cylinder"], contact=Hertz(damping="gonthier-exact"))
+    both = dataclasses.replace(base, joints={**base.joints, "cylinder": joint})
+    assert comparison(both, ["cylinder"]) == "run it again with --set joint.cylinder.contact.damping=none"
+    assert law_change(Hertz()) == "damping=gonthier" and law_change(LankaraniNikravesh()) == "law=hertz"
