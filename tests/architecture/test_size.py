@@ -13,10 +13,10 @@ import pytest
 from architecture.size import Size, size_of, sizes, tokens
 
 LIMITS = Size(
-    files=500,
+    files=506,
     code=70_000,
     tokens=702_000,
-    import_lines=6_800,
+    import_lines=6_900,
     inner_imports=101,
     many_arguments=10,
     tuples=28,

@@ -329,7 +329,7 @@ def test_figures_and_a_report_are_written(command: Command, closed: Closed) -> N
     done = command("report", "x.study", "--no-live")
     assert done.exit_code == 0, done.stderr
     page = Path("x-report.html").read_text()
-    assert "6 cases: 6 complete" in page and "12 N" in page and "<iframe" not in page
+    assert "6 cases: 6 complete" in page and "12\u00a0N" in page and "<iframe" not in page
     assert command("report", "x.study").exit_code == 2, "a file that is there stays"
 
 

@@ -18,7 +18,8 @@ from ..files import read_bytes
 from .design_words import or_words
 from .digits import Json, ideal_force_text, interval, is_undetermined, prefixed, uncertainty
 from .document import Element, Facts, Paragraph, Part, Section, Table
-from .overview import blow, certainty, clearance_note, joint_table, rivals
+from .noise import blow, rivals
+from .overview import certainty, clearance_note, joint_table
 from .run_tables import (
     NONE_BEGAN,
     force_text,

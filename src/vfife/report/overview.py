@@ -12,7 +12,6 @@ from ..numerics.scalar import log10, power
 from ..solvers.status import Status
 from ..units import in_rpm
 from . import dead_centres
-from .design_words import and_words
 from .digits import (
     ABOUT_ZERO,
     CERTAIN,
@@ -38,15 +37,13 @@ from .digits import (
     unit_of,
 )
 from .document import Document, Facts, Paragraph, Part, Section, Table, paragraphs
+from .noise import blow, noise
 from .run import CONFORMAL, SHARED, document
 from .run_tables import (
-    NONE_BEGAN,
-    blow_texts,
     deepest_text,
     force_text,
     influence_text,
     knock_texts,
-    knocks,
     lacks_friction,
     note_on_means,
     noted,
@@ -66,11 +63,7 @@ from .trust import (
 )
 
 RELIABLE = "Reliable numerically"  # laws and data of the model are no part of it
-STEPS_ONLY = "at other step sizes only"  # a joint knocks, but not in this run
 NOT_COMPUTED = "not computed"  # friction of ideal joints
-# Times the rise of a joint's largest force above the ideal one: a blow larger than that is stated by itself,
-# because the table of forces does not show it.
-HIDDEN = 2.0
 LOOSE = 1.5  # times the shaking force at the outputs: a larger estimate is left to the long answer
 NEGLIGIBLE = 0.01  # of the largest measure with the same unit: no warning about smaller ones
 # measures whose errors decide whether a run is sensitive
@@ -94,7 +87,7 @@ def overview(summary: Json) -> Document:
     parts += paragraphs([certainty(summary)], style="alarm" if uncertain(summary) else "good")
     table = joint_table(summary)
     parts += [table] if table.rows else []
-    facts = [*_machine(summary), *dead_centres.facts(summary), *_noise(summary), *blow(summary)]
+    facts = [*_machine(summary), *dead_centres.facts(summary), *noise(summary), *blow(summary)]
     parts += [Facts(facts)] if facts else []
     if texts := list(cautions(summary)):
         rows = [(str(k), text) for k, text in enumerate(texts[:MOST_CAUTIONS], 1)]
@@ -326,7 +319,7 @@ def moment_texts(summary: Json) -> dict[str, str]:
     return {joint: text for joint, text in texts.items() if text != ABOUT_ZERO}
 
 
-# ------------------------------------------------------------------------------------------ machine and noise
+# ---------------------------------------------------------------------------------------------------- machine
 
 
 def _machine(summary: Json) -> Iterator[tuple[str, str]]:
@@ -372,93 +365,6 @@ def _torque(summary: Json, name: str) -> str:
         return largest_of_turns(summary, name, "N m")
     text = interval(bounds["low"], bounds["high"], "N m", width)
     return over_turns(text, turns_text(summary, name, "N m", CERTAIN))
-
-
-def _noise(summary: Json) -> Iterator[tuple[str, str]]:
-    """Yield the hardest knock and the power of all knocks."""
-    speeds = {
-        name: value for name, value in summary["measures"].items() if name.endswith(".approach_speed.max")
-    }
-    if not speeds:
-        return
-    hardest = max(speeds, key=speeds.__getitem__)
-    if not speeds[hardest] or is_about_zero(summary, hardest):
-        yield "Noise", "no knocks"
-        return
-    names = [name for name in summary["measures"] if name.endswith(".impact_power.mean")]
-    losses = f"; knocks lose {sum_text(summary, names, 'W', SCATTER)}" if names else ""
-    harder = rivals(summary, hardest, list(speeds))
-    speed, joint = largest_text(summary, harder, "m/s", CERTAIN), _contact_words(harder)
-    measured = summary.get("knocks", {})
-    start = f"at the start {speed} ({joint})"
-    if not measured or any(entry["hardest"] and entry["count"] for entry in measured.values()):
-        place = f"{joint}, whole run{_silent_words(summary, harder)}"
-        yield "Noise", f"hardest knock {speed} ({place}){_measured_knock(summary)}{losses}"
-    elif not any(entry["count"] for entry in measured.values()):
-        yield "Noise", f"no knocks; {start}"
-    else:
-        contact = max(measured, key=lambda name: float(measured[name]["speed"]))
-        text = knock_texts(summary, contact.split(".")[0])[0]
-        largest = _with_joint(text, _contact_words([contact]))
-        yield "Noise", f"hardest knock {largest}, {start}{losses}"
-
-
-def _silent_words(summary: Json, names: list[str]) -> str:
-    """Return which joints of the measures ``names`` have no knock in the table of joints, and where they
-    have one; "" for none.
-    """
-    silent: dict[str, list[str]] = {}
-    for joint in dict.fromkeys(name.split(".")[0] for name in names):
-        if knock_texts(summary, joint)[0] in ("none", NONE_BEGAN):
-            count = knocks(summary, joint)[0]
-            silent.setdefault("not in the turns of the table" if count else STEPS_ONLY, []).append(joint)
-    return "".join(f"; {and_words(joints)} {words}" for words, joints in silent.items())
-
-
-def blow(summary: Json) -> Iterator[tuple[str, str]]:
-    """Yield the largest blow in closed contact that the largest force of its joint does not show."""
-    for name, text in blow_texts(summary).items():
-        joint = summary["joints"][name]
-        rise = joint["force.max"] - (joint["ideal_force.max"] or 0.0)
-        if summary["blows"][name]["excess"] > HIDDEN * rise:
-            yield "Blow", f"{text} (no knock; {NOT_ESTIMATED})"
-            return
-
-
-def _measured_knock(summary: Json) -> str:
-    """Return the hardest knock of the turns of the measures, as the table of joints has it, where the whole
-    run has harder ones.
-    """
-    texts = {name: knock_texts(summary, name) for name in summary["joints"]}
-    measured = summary.get("knocks", {})
-    if not measured or not any(start for _, start in texts.values()):
-        return ""
-    contact = max(measured, key=lambda name: float(measured[name]["speed"]))
-    joint = contact.split(".")[0]
-    return f", {_with_joint(texts[joint][0], joint)} in the turns of the table"
-
-
-def _with_joint(knock: str, joint: str) -> str:
-    """Return the text of a knock with its joint, in one pair of brackets with the note on its error."""
-    mark = f" ({NOT_ESTIMATED})"
-    inside = f"{joint}, {NOT_ESTIMATED}" if knock.endswith(mark) else joint
-    return f"{knock.removesuffix(mark)} ({inside})"
-
-
-def rivals(summary: Json, hardest: str, names: list[str]) -> list[str]:
-    """Return the measures of which any may be the largest: their ranges reach that of the ``hardest``."""
-    if not all(is_estimated(summary, name) for name in names):
-        return [hardest]
-    lowest = max(float(summary["ranges"][name]["low"]) for name in names)
-    return [name for name in names if name == hardest or summary["ranges"][name]["high"] > lowest]
-
-
-def _contact_words(names: list[str]) -> str:
-    """Return the joints of contacts or of their measures; of a single corner of a block also the corner."""
-    contacts = [name.removesuffix(".approach_speed.max").split(".") for name in names]
-    joints = list(dict.fromkeys(contact[0] for contact in contacts))
-    corner = f", corner {contacts[0][1]}" if len(contacts) == 1 and len(contacts[0]) > 1 else ""
-    return " or ".join(joints) + corner
 
 
 # --------------------------------------------------------------------------------------------------- cautions
