@@ -23,6 +23,7 @@ from vfife.live.page import reports
 from vfife.modelfile import dump, load
 from vfife.plots.pdf import figure_scale, fullest
 from vfife.report import front, overview, pages, run_file
+from vfife.report.damping_cautions import comparison
 from vfife.report.digits import interval, measure_text, prefixed
 from vfife.report.front import TERMS, conclusion, explained, without_options
 from vfife.report.html import elements
@@ -321,6 +322,17 @@ def test_a_report_names_no_options() -> None:
     assert "(--long)" in certainty(summary) and "--settle" in " ".join(cautions(summary))
     text = " ".join([*conclusion(summary), *map(without_options, cautions(summary))])
     assert not re.search(r"--[a-z]", text) and "until they repeat within 1 %" in text
+
+
+def test_a_report_names_laws_to_compare_instead_of_a_command() -> None:
+    machine = vfife.gallery.compressor()
+    pins, all_joints = ["big-end", "small-end"], list(machine.contacts)
+    told = [f"Blows: {comparison(machine, names)}." for names in (pins, all_joints)]
+    assert all("--" in text for text in told)
+    assert [without_options(text) for text in told] == [
+        "Blows: compare the contact laws lankarani-nikravesh, hertz and gonthier.",
+        "Blows: compare contact.law=hertz in these joints.",
+    ]
 
 
 def test_an_ideal_force_of_rounding_is_about_zero() -> None:

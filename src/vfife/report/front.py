@@ -7,7 +7,7 @@ from __future__ import annotations
 import base64
 import dataclasses
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from datetime import date
 from html import escape
@@ -15,7 +15,7 @@ from pathlib import Path
 
 from ..errors import VfifeError
 from ..files import read_bytes
-from .design_words import or_words
+from .design_words import and_words, or_words
 from .digits import Json, ideal_force_text, interval, is_undetermined, prefixed, uncertainty
 from .document import Element, Facts, Paragraph, Part, Section, Table
 from .noise import blow, rivals
@@ -55,7 +55,13 @@ TERMS = {
 
 
 # Options of the command line in sentences of the answer, and what stands in their place in a report.
-OPTIONS = {
+OPTIONS: dict[str, str | Callable[[re.Match[str]], str]] = {
+    r"vfife compare MODEL --contact (\S+) --companions 3, with the other options of this run": (
+        lambda found: f"compare the contact laws {and_words(found[1].split(','))}"
+    ),
+    r"run it again with (?:--set \S+\.contact\.(\w+=[\w-]+(?:\.\d+)?) ?)+": (
+        r"compare contact.\1 in these joints"
+    ),
     r" \(--long\)": "",
     r"more: --long": "more",
     r"run it with --turns (\d+) --settle 1%": r"run up to \1 turns, or until they repeat within 1 %",
