@@ -20,6 +20,7 @@ import numpy as np
 
 from ..model.bodies import PointMass
 from ..solvers.record import Record
+from .actuators import actuator_powers, largest_actuator_forces
 from .contacts import largest_pressures, largest_sliding, losses
 from .elastic import largest_deflections, largest_stresses
 from .energy import driving, efficiency
@@ -138,6 +139,13 @@ OVER_TURN: Groups = (
     MeasureGroup(
         driving, {"torque.mean": "N m", "torque.ripple": "1", "power.mean": "W"},
         ("driven_work", "particle_theta"),
+    ),
+    MeasureGroup(
+        largest_actuator_forces, {"actuator_force.max": "N", "actuator_torque.max": "N m"},
+        ("actuator_force_max",)
+    ),
+    MeasureGroup(
+        actuator_powers, {"actuator_power.mean": "W"}, ("actuator_work", "actuator_power", "particle_x")
     ),
     LOSSES,
     MeasureGroup(

@@ -133,8 +133,14 @@ def _terms(record: Record) -> dict[str, Array]:
         "damping_loss": _work(record, "damping"),
         "spring_loss": _work(record, "spring_damping"),
         "external": _work(record, "external") + constant_loads(record),
-        "driver": _work(record, "driven"),
+        "driver": driver_work(record),
     }
+
+
+def driver_work(record: Record) -> Array:
+    """Return the work of all drivers (J), shape (outputs,)."""
+    work = _work(record, "driven")
+    return work + _work(record, "actuator") if record.assembly.topology.joint_actuator else work
 
 
 def _work(record: Record, name: str) -> Array:

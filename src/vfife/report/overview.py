@@ -38,6 +38,7 @@ from .digits import (
     unit_of,
 )
 from .document import Document, Facts, Paragraph, Part, Section, Table, paragraphs
+from .drivers import actuator_facts, speed_text
 from .run import CONFORMAL, SHARED, document
 from .run_tables import blow_texts, deepest_text, knock_texts, noted, of_contacts
 from .trust import (
@@ -361,21 +362,15 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
         compared = f" (ideal {prefixed(ideal, 'N m')})" if ideal is not None else ""
         texts.append(f"largest torque {_torque(summary, f'{name}.torque.max')}{compared}")
         yield f"Driver {name}", ", ".join(texts)
+    yield from ((f"Driver {name}", text) for name, text in actuator_facts(summary))
     ground, shaking = summary.get("ground") or {}, measures.get("ground.shaking_force.max", 0.0)
     largest = ground.get("estimate", ground.get("at_most", 0.0))
     if shaking > 0.0 and (ground.get("joint") or largest <= LOOSE * shaking):
         yield "Shaking force", f"{shaking_text(summary)}{ideal_shaking_text(summary)}"
     for name, speed in summary["run"].get("reached", {}).items():
-        yield f"Speed {name}", _reached_text(speed)
+        yield f"Speed {name}", speed_text(speed)
     if stops := summary.get("stops"):
         yield "Stops", stop_sentence(stops, summary.get("stop_interval"))
-
-
-def _reached_text(speed: Json) -> str:
-    """Return the speed that a torque has given a body, and between which speeds it varied."""
-    low, high, end = (f"{speed[key]:.4g} rad/s" for key in ("low", "high", "end"))
-    rpm = f"{30.0 * speed['end'] / math.pi:,.4g} rpm"
-    return f"{end} ({rpm}) at the end, least {low}, largest {high} ({NOT_ESTIMATED})"
 
 
 def _torque(summary: Json, name: str) -> str:

@@ -23,6 +23,7 @@ from .digits import (
     value_text,
 )
 from .document import Caution, Document, Facts, Paragraph, Part, Table, grouped, paragraphs, quantities
+from .drivers import actuator_facts
 from .run_tables import blow_texts, reaction, tables
 from .trust import missing_mesh_estimate, trust_lines, turn_lines, verdict
 
@@ -90,6 +91,7 @@ def facts(summary: Json) -> list[tuple[str, str]]:
         *_named_once("Trust", list(trust_lines(summary))),
         ("Energy", _energy(summary)),
         *(("Driver", line) for line in _torques(summary)),
+        *(("Driver", f"{name}: {text} ({summary['part']})") for name, text in actuator_facts(summary)),
         *_machine(summary),
         *_named_once(
             "Blows",

@@ -31,6 +31,7 @@ from .cautions import (
     wide_contacts,
 )
 from .dead_centres import dead_centres
+from .drivers import actuator_summary
 from .trust import over_several_turns, trust_summary, turns_summary, verdict
 
 if TYPE_CHECKING:
@@ -59,7 +60,8 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
     (what bounds the shaking force of a run with contact), ``dead_centres``, ``conformal``, ``law_facts``,
     ``remarks``, ``warnings``, ``law_dependent`` (joints whose forces depend more on the contact law than on
     the step, with the index of the warning) and, of a model with stops, ``stops`` (contacts that the outputs
-    show, by name) with the ``stop_interval`` of the outputs (s) are what the document of
+    show, by name) with the ``stop_interval`` of the outputs (s), and of a model with drivers of sliders or
+    points ``actuators`` (:func:`~vfife.report.drivers.actuator_summary`) are what the document of
     :mod:`~vfife.report.run` is made of.
     """
     reference = reference if reference is not None else result.reference
@@ -118,6 +120,7 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
         "not_estimated": [name for name, measure in result.measures.items() if not measure.estimated],
         "trust": trust,
         **_stops(record),
+        **({} if static else actuator_summary(result, ideal)),
     }
 
 
