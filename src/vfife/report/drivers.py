@@ -11,7 +11,7 @@ import numpy as np
 from ..measures.actuators import actuators, quantity_of
 from ..measures.values import NOT_ESTIMATED
 from ..results.run_data import RunData
-from .digits import Json, largest_of_turns, prefixed, value_text
+from .digits import Json, largest_of_turns, prefixed, sum_text, value_text
 
 ROUNDING = 1e-6  # of the largest power at the outputs: a smaller mean is rounding
 
@@ -32,11 +32,14 @@ def actuator_summary(result: RunData, ideal: Any) -> Json:
 
 def actuator_facts(summary: Json) -> Iterator[tuple[str, str]]:
     """Yield name and text of each actuator: mean power, and largest force or torque."""
+    friction = [measure for measure in summary["measures"] if measure.endswith(".friction_power.mean")]
+    lost = sum(summary["measures"][measure] for measure in friction)
+    losses = f" ({sum_text(summary, friction, 'W')} friction)" if lost else ""
     for name, actuator in summary.get("actuators", {}).items():
         measure, power = actuator["measure"], f"{name}.actuator_power.mean"
         texts = []
         if abs(summary["measures"].get(power, 0.0)) > ROUNDING * actuator["power"]:
-            texts.append(f"mean power {value_text(summary, power, 'W')}")
+            texts.append(f"mean power {value_text(summary, power, 'W')}{losses}")
         if measure in summary["measures"]:
             word = "force" if actuator["unit"] == "N" else "torque"
             ideal = actuator["ideal"]
