@@ -20,10 +20,9 @@ import numpy as np
 
 from ..model.bodies import PointMass
 from ..solvers.record import Record
-from .actuators import actuator_powers, largest_actuator_forces
 from .contacts import largest_pressures, largest_sliding, losses
 from .elastic import largest_deflections, largest_stresses
-from .energy import driving, efficiency
+from .energy import actuator_powers, driving, efficiency, largest_actuator_forces
 from .forces import joint_force_max, joint_rows, largest_shaking, shares
 from .motion import largest_strokes
 from .statics import static_measures

@@ -15,7 +15,7 @@ from ..numerics.elementwise import hypot
 from ..solvers.record import Estimate, Record
 from ..solvers.refinement import DOUBLE, FOURFOLD, HALF
 from ..solvers.relaxation import extent
-from .actuators import named_forces
+from .energy import named_forces
 from .forces import joint_force, joint_moment, joint_rows
 from .motion import is_free, times
 from .turns import named

@@ -38,8 +38,7 @@ from .digits import (
     unit_of,
 )
 from .document import Document, Facts, Paragraph, Part, Section, Table, paragraphs
-from .drivers import actuator_facts, speed_text
-from .run import CONFORMAL, SHARED, document
+from .run import CONFORMAL, ROUNDING, SHARED, actuator_facts, document
 from .run_tables import blow_texts, deepest_text, knock_texts, noted, of_contacts
 from .trust import (
     UNCOMPARED,
@@ -64,7 +63,6 @@ NEGLIGIBLE = 0.01  # of the largest measure with the same unit: no warning about
 DECISIVE = (".force.max", ".moment.max", ".torque.max")
 CORNER = re.compile(r"\.(\d)\.")  # of a block in a guide, as a part of the name of a measure
 PREFIXES_OF = ("m", "N", "N m")  # units with a prefix in sentences, as in the table
-ROUNDING = 1e-6  # of the largest torque: a smaller mean is rounding
 FAILURES = (Status.DIVERGED, Status.ENERGY, Status.NOT_CONVERGED)
 TWO_TURNS = 2.0 - 1e-9  # a run of two turns ends by rounding just before
 MOST_JOINTS, MOST_CAUTIONS, MOST_EXCEPTIONS, MOST_FACTORS = 8, 4, 3, 3
@@ -368,9 +366,16 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
     if shaking > 0.0 and (ground.get("joint") or largest <= LOOSE * shaking):
         yield "Shaking force", f"{shaking_text(summary)}{ideal_shaking_text(summary)}"
     for name, speed in summary["run"].get("reached", {}).items():
-        yield f"Speed {name}", speed_text(speed)
+        yield f"Speed {name}", _reached_text(speed)
     if stops := summary.get("stops"):
         yield "Stops", stop_sentence(stops, summary.get("stop_interval"))
+
+
+def _reached_text(speed: Json) -> str:
+    """Return the speed that a torque has given a body, and between which speeds it varied."""
+    low, high, end = (f"{speed[key]:.4g} rad/s" for key in ("low", "high", "end"))
+    rpm = f"{30.0 * speed['end'] / math.pi:,.4g} rpm"
+    return f"{end} ({rpm}) at the end, least {low}, largest {high} ({NOT_ESTIMATED})"
 
 
 def _torque(summary: Json, name: str) -> str:

@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 
 from ..kernels.blocks import BY_NAME
 from ..measures import contacts, elastic, forces, motion
-from ..measures.actuators import actuators, quantity_of
 from ..measures.contacts import contact_angle, mean_power, sliding_speed, spent_energy
-from ..measures.energy import Ledger
+from ..measures.energy import Ledger, actuators, quantity_of
 from ..measures.forces import ground_load
 from ..measures.statics import displacement
 from ..measures.wear import SIDES, coefficients, work
@@ -102,8 +101,8 @@ ENERGIES: Mapping[str, tuple[str, str]] = {
     "damping_loss": ("damping_loss", "energy lost in mass-proportional damping"),
     "spring_energy": ("spring", "elastic energy of springs, stops and bushings"),
     "spring_loss": ("spring_loss", "energy lost in their dampers"),
-    "external_work": ("external", "work of weight and loads"),
-    "driver_work": ("driver", "work of the drivers"),
+    "external_work": ("external", "work of weight and loads, and of torques and forces of drivers"),
+    "driver_work": ("driver", "work of the drivers that prescribe a motion"),
 }
 
 # Frame of recorded blocks that are components or angles.

@@ -27,8 +27,8 @@ def check_target(checks: Checks, path: Path, name: str, driver: Any) -> None:
         if targets[0] == "body" and driver.body not in checks.mechanism.bodies:
             kind = targets[1]
             remedy = (
-                f"name one of them: there is no body {shown_name(driver.body)}. In a script the first argument"
-                f" is the driven body, and the driver of a {kind} takes its name from the {kind}"
+                f"name one of them: there is no body {shown_name(driver.body)}. In a script the first"
+                f" argument is the driven body, and the driver of a {kind} takes its name from the {kind}"
             )
         checks.add((*path, targets[1]), f"it drives a {' and a '.join(targets)}", remedy)
     elif driver.target not in driver.drives:
