@@ -162,8 +162,8 @@ def _torques(summary: Json) -> Iterator[str]:
 def actuator_facts(summary: Json) -> Iterator[tuple[str, str]]:
     """Yield name and text of each actuator: mean power, and largest force or torque."""
     friction = [measure for measure in summary["measures"] if measure.endswith(".friction_power.mean")]
-    lost = sum(summary["measures"][measure] for measure in friction)
-    losses = f" ({sum_text(summary, friction, 'W')} friction)" if lost else ""
+    total = sum(summary["measures"][measure] for measure in friction)
+    losses = f" ({sum_text(summary, friction, 'W')} friction)" if total else ""
     for name, actuator in summary.get("actuators", {}).items():
         measure, power = actuator["measure"], f"{name}.actuator_power.mean"
         texts = []
