@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from vfife.identification.curve_sensitivity import CurveSensitivity
 from vfife.identification.parameters import FitParameter
-from vfife.identification.step_uncertainty import autocorrelation, confidence_of
+from vfife.identification.step_uncertainty import autocorrelation, cautions, confidence_of
 
 
 def test_the_autocorrelation_of_a_line_is_known() -> None:
@@ -65,6 +67,15 @@ def test_curves_are_trusted_while_they_change_by_less_than_noise_and_than_what_t
     nothing = np.zeros(1)
     assert CurveSensitivity(change, 0.0, residual, 1.0, 1.0, nothing).trusted is trusted
     assert CurveSensitivity(0.0, change, residual, 1.0, 1.0, nothing).trusted is trusted
+
+
+@pytest.mark.parametrize("comparison", ["curve", "envelope", "spectrum"])
+def test_only_a_comparison_of_curves_is_advised_to_take_envelopes_or_spectra(comparison: str) -> None:
+    records = [SimpleNamespace(misfit=SimpleNamespace(comparison=comparison))]
+    evaluations: Any = SimpleNamespace(share=0.1, points=[(1.0, (0.5,))], records=records)
+    (text,) = cautions(evaluations, 0.0, CurveSensitivity(1.2, 0.0, 0.1, 1.0, 9.0, np.zeros(1)))
+    assert "confidence is not known" in text and "measure fewer turns from a known start" in text
+    assert ("compare envelopes or spectra" in text) is (comparison == "curve")
 
 
 def test_limits_hold_where_residuals_are_largest_at_the_samples_that_count() -> None:

@@ -51,6 +51,7 @@ RUNS = {
     "gear_train": 60,
     "elastic_pendulum": 30,
     "quick_return": 721,
+    "scissor_lift": 20,
 }
 
 
@@ -117,6 +118,7 @@ COMPARED = [
     ("slider_crank_loose_guide", 0.5),
     ("elastic_pendulum", None),
     ("beads", None),
+    ("scissor_lift", None),
 ]
 
 

@@ -4,6 +4,7 @@ accident of ours.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -243,5 +244,10 @@ def test_a_pin_is_driven_by_a_builder_and_nothing_drives_two_things() -> None:
     two = vfife.Mechanism("two")
     two.rigid_body("carriage", mass=1.0, inertia=1e-3, pins={"p": (0.0, 0.0)})
     two.harmonic("none", point="carriage.p", amplitude=0.02, frequency=20.0)
-    with pytest.raises(vfife.VfifeError, match="it drives a body and a point. Name one of them"):
+    with pytest.raises(vfife.VfifeError, match="it drives a body and a point. Name one of them") as told:
+        vfife.simulate(two, duration=0.01)
+    assert "no body 'none'. In a script the first argument is the driven body" in str(told.value)
+    assert "the driver of a point takes its name from the point" in str(told.value)
+    two.drivers["none"] = dataclasses.replace(two.drivers["none"], body="carriage")
+    with pytest.raises(vfife.VfifeError, match="Name one of them, or write a driver for each"):
         vfife.simulate(two, duration=0.01)

@@ -53,6 +53,23 @@ def test_it_fits_a_screen(name: str) -> None:
     assert len(lines) <= SCREEN, "\n".join(lines)
 
 
+def test_drivers_of_sliders_and_points_have_a_row() -> None:
+    """Mean power and largest force, in both answers; the ideal force where there is clearance."""
+    m = vfife.Mechanism("cart")
+    m.point("W", -1.0, 0.0)
+    car = m.rigid_body("car", mass=1.5, inertia=0.01)
+    m.slider("rail", m.point("O", 0.0, 0.0), car.pin())
+    m.spring("damper", "ground.W", "car.center", damping=10.0)
+    m.harmonic(slider="rail", amplitude=0.03, frequency=2.0)
+    run = vfife.simulate(m, duration=1.0)
+    assert "Driver rail " in str(run) and "mean power 710.6 mW, largest force 8.044 N" in str(run)
+    assert ("Driver", f"rail: mean power 710.6 mW, largest force 8.044 N ({run.measures.part})") in facts(
+        run.summary
+    )
+    assert run.summary["actuators"]["rail"]["measure"] == "rail.actuator_force.max"
+    assert run.measures["rail.actuator_force.max"].estimated
+
+
 def test_moments_of_joints_are_on_the_first_screen() -> None:
     """Of gears and of a guide that holds a moment; no column where no joint has one."""
     gears = vfife.simulate(gallery.gear_train())

@@ -166,6 +166,21 @@ def test_what_cannot_be_written_leaves_what_was_there(name: str, monkeypatch: py
     assert os.listdir() == [name] and Path(name).read_text() == "before"
 
 
+def test_an_unknown_ending_is_no_format_of_data_or_of_figures() -> None:
+    with pytest.raises(
+        vfife.VfifeError, match=r'".foo" is no format of an export; data are .*\.csv.*'
+    ) as told:
+        result().export("x.foo")
+    assert all(ending in str(told.value) for ending in (*RESULT_FORMATS, *PICTURES))
+    with pytest.raises(vfife.VfifeError, match=r"export; figures are written as") as told:
+        result().export("x.foo", figure="mechanism")
+    assert ".csv" not in str(told.value)
+
+
+def test_the_status_of_a_run_is_a_text() -> None:
+    assert result().status == "complete" and result().status == result().summary["status"]
+
+
 def test_the_command_knows_what_is_written() -> None:
     assert set(of_the_command.ENDINGS) == {*RESULT_FORMATS, *PICTURES}
 

@@ -36,6 +36,18 @@ def test_a_run_gives_its_numbers(name: str, tmp_path: Path) -> None:
     assert again.data.identical(result.data) and again.measures == result.measures
 
 
+def test_a_run_with_a_driven_slider_goes_on_as_it_began(tmp_path: Path) -> None:
+    """Version 0.2 booked the work of such drivers as that of loads, and so does what continues its run."""
+    path = tmp_path / "run.sqlite"
+    path.write_bytes((FORMER / "driven_slider.sqlite").read_bytes())
+    result = vfife.load_result(path)
+    assert float(result.data.external_work[-1]) == 0.35530590784424876
+    assert not result.data.driver_work.values.any() and "actuator_force" not in result.data
+    longer = vfife.resume(path, until=1.0)
+    assert float(longer.data.external_work[-1]) == pytest.approx(2.0 * 0.355306, rel=1e-5)
+    assert longer.ledger.error < 1e-5 and "Driver" not in str(longer)
+
+
 def test_answers_of_the_first_format_are_read_without_a_warning() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error", DamageWarning)

@@ -332,7 +332,9 @@ def test_a_companion_is_measured_as_a_run_is() -> None:
     record.companions.rows[:] = record.rows[np.ix_(own, columns)][:, :, None]
     record.companions.counts[:] = record.assembly.choice.outputs_every
     for name, one in ranged(record).items():
-        assert one.low == one.high == one.value, name
+        # The share of the first steps of contacts goes to zero with the step: its range always contains zero.
+        low = 0.0 if name.endswith(".share.impact") else one.value
+        assert (one.low, one.high) == (low, one.value), name
     simulated.cache_clear()
 
 

@@ -5,6 +5,7 @@ clearance joints alone.
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -371,6 +372,7 @@ def topology_of(
         path_pieces=tuple(len(path.pieces) for path in parts.paths),
         joint_carrier=tuple(j.carrier for j in parts.ideals),
         joint_function=tuple(j.function for j in parts.ideals),
+        joint_actuator=actuators_of(parts),
         spring_first=tuple(s[2][0] for s in parts.springs),
         spring_second=tuple(s[3][0] for s in parts.springs),
         spring_kind=tuple(s[1] for s in parts.springs),
@@ -388,6 +390,13 @@ def topology_of(
         contact_laws=laws[0],
         friction_laws=laws[1],
     )
+
+
+def actuators_of(parts: Parts) -> tuple[int, ...]:
+    """Index of the actuator of each ideal joint, -1 for none; nothing where no joint has one."""
+    count = itertools.count()
+    indices = tuple(-1 if joint.function < 0 else next(count) for joint in parts.ideals)
+    return indices if max(indices, default=-1) >= 0 else ()
 
 
 def guides_of(parts: Parts) -> tuple[tuple[int, int], ...]:

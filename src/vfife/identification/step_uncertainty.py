@@ -393,9 +393,9 @@ def cautions(
             " well"
         )
     else:
-        remedy = (
-            "compare envelopes or spectra, measure fewer turns from a known start, or a motion that repeats"
-        )
+        remedy = "measure fewer turns from a known start, or a motion that repeats"
+        if any(record.misfit.comparison == "curve" for record in evaluations.records):
+            remedy = f"compare envelopes or spectra, {remedy}"
         yield (
             f"{text}, so confidence is not known: {count} of {len(evaluations.points)} points fit as well as"
             f" they; {remedy}"

@@ -47,6 +47,7 @@ class Fields:
 ENTITIES = (
     *("system", "particle", "frame", "unit", "contact", "guide", "joint", "constraint"),
     *("spring", "driven", "load", "body", "function", "piece", "knot", "wear", "harmonic"),
+    "actuator",
 )
 
 
@@ -62,7 +63,7 @@ RECORDS = {
     entity: _fields("particle", "bound") if entity == "particle" else _fields(entity) for entity in ENTITIES
 }
 SYSTEM, PARTICLE, FRAME, UNIT, CONTACT, GUIDE, JOINT, CONSTRAINT = list(RECORDS.values())[:8]
-SPRING, DRIVEN, LOAD, BODY, FUNCTION, PIECE, KNOT, WEAR, HARMONIC = list(RECORDS.values())[8:]
+SPRING, DRIVEN, LOAD, BODY, FUNCTION, PIECE, KNOT, WEAR, HARMONIC, ACTUATOR = list(RECORDS.values())[8:]
 PLAIN = _fields("particle").SIZE
 
 
@@ -81,7 +82,7 @@ CONTACT_INDEX = fields(
 GUIDE_INDEX = fields("row", "corners", "corners_end")
 JOINT_INDEX = fields(
     *("row", "bearing", "journal", "carrier", "place", "turn", "first", "y", "function", "rows"),
-    *("piece", "pieces"),
+    *("piece", "pieces", "actuator"),
 )
 CONSTRAINT_INDEX = fields("row", "bearing", "journal", "carrier", "start", "at", "closing")
 SPRING_INDEX = fields("row", "first", "second", "kind")

@@ -114,6 +114,11 @@ BLOCKS: tuple[Block, ...] = (
         driven_fx driven_fy | N | force of the ground on the driven body at step n
         driven_power | W | power of the driver at step n
         driven_work | J | work of the driver up to step n + 1/2"""),
+    *_blocks("state", "actuator", """
+        actuator_force | N or N m | force or torque of a driver of anything else than a body on its pivot, \
+            at step n
+        actuator_power | W | its power at step n
+        actuator_work | J | its work up to step n + 1/2"""),
     *_blocks("state", "body", """
         body_alpha | rad/s^2 | angular acceleration of a rigid body or of an elastic link's chord at \
             step n"""),
@@ -150,6 +155,8 @@ BLOCKS: tuple[Block, ...] = (
     *_blocks("extreme", "driven", """
         driven_force_squared_max | N^2 | largest squared ground force since the last output
         driven_torque_max | N m | largest absolute torque since the last output"""),
+    *_blocks("extreme", "actuator", """
+        actuator_force_max | N or N m | largest absolute force or torque since the last output"""),
     *_blocks("extreme", "body", """
         body_alpha_max | rad/s^2 | largest absolute angular acceleration since the last output"""),
     *_blocks("extreme", "spring", """

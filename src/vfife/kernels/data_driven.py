@@ -1,6 +1,7 @@
 """The data-driven loop as the driver sees it: steps of one lane, and the change of the step size."""
 
 from .arrays import (
+    ACTUATOR,
     CONSTRAINT,
     CONSTRAINT_INDEX,
     CONTACT,
@@ -10,6 +11,7 @@ from .arrays import (
     FUNCTION,
     FUNCTION_INDEX,
     HEADER,
+    JOINT_INDEX,
     PARTICLE,
     PLAIN,
     SPRING,
@@ -96,6 +98,10 @@ def change_step(S, I, size, shift, repeated):
     for r in range(I[HEADER.driven], I[HEADER.driven_end], DRIVEN_INDEX.SIZE):
         row = I[r + DRIVEN_INDEX.row]
         S[row + DRIVEN.work] += longer * S[row + DRIVEN.power]
+    for r in range(I[HEADER.joint], I[HEADER.joint_end], JOINT_INDEX.SIZE):
+        row = I[r + JOINT_INDEX.actuator]
+        if row != 0:
+            S[row + ACTUATOR.work] += longer * S[row + ACTUATOR.power]
     S[SYSTEM.damping_work] += longer * S[SYSTEM.damping_power]
     S[SYSTEM.external_work] += longer * S[SYSTEM.external_power]
     # What is extrapolated through two steps (reactions, products of pivots) keeps its slope.

@@ -13,6 +13,7 @@ particles, f of a function, e of an element, ``row`` of anything else.
 """
 
 from .arrays import (
+    ACTUATOR,
     BODY,
     BODY_INDEX,
     CONSTRAINT,
@@ -325,8 +326,8 @@ def tiles(S, I, renew, d, central: Central):
 
 
 def settle(S, I, span, central: Central):
-    """Kick the bound particles; store the powers (W) at t_n of mass-proportional damping, of variable loads
-    and of prescribed travels, and add them times ``span`` (s) to their works.
+    """Kick the bound particles; store the powers (W) at t_n of mass-proportional damping and of variable
+    loads, and add them times ``span`` (s) to their works.
     """
     damping = 0.0
     zeta = S[SYSTEM.damping]
@@ -352,7 +353,7 @@ def settle(S, I, span, central: Central):
 
 
 def external_power(S, I):
-    """Return the power (W) of variable loads and of prescribed travels at t_n."""
+    """Return the power (W) at t_n of variable loads, and of prescribed motions that have no actuator."""
     power = 0.0
     for r in range(I[HEADER.load], I[HEADER.load_end], LOAD_INDEX.SIZE):
         i = I[r + LOAD_INDEX.body]
@@ -361,19 +362,23 @@ def external_power(S, I):
         power += value * (px * S[i + PARTICLE.vu] + py * S[i + PARTICLE.vv] + moment * S[i + PARTICLE.vw])
     for r in range(I[HEADER.joint], I[HEADER.joint_end], JOINT_INDEX.SIZE):
         f = I[r + JOINT_INDEX.function]
-        if f != 0:
+        if f != 0 and I[r + JOINT_INDEX.actuator] == 0:
             power += S[I[r + JOINT_INDEX.first] + CONSTRAINT.force] * S[f + FUNCTION.rate]
     return power
 
 
 def observe(S, I, span):
-    """Store torque and work of drivers, reactions of ideal joints and angular accelerations of bodies at t_n,
-    with their extremes.
+    """Store forces, torques and works of drivers, reactions of ideal joints and angular accelerations of
+    bodies at t_n, with their extremes.
     """
     for r in range(I[HEADER.driven], I[HEADER.driven_end], DRIVEN_INDEX.SIZE):
         observe_driver(S, I[r + DRIVEN_INDEX.row], I[r + DRIVEN_INDEX.body], span)
     for r in range(I[HEADER.joint], I[HEADER.joint_end], JOINT_INDEX.SIZE):
         reaction(S, I, r)
+        if I[r + JOINT_INDEX.actuator] != 0:
+            force = S[I[r + JOINT_INDEX.first] + CONSTRAINT.force]
+            rate = S[I[r + JOINT_INDEX.function] + FUNCTION.rate]
+            observe_actuator(S, I[r + JOINT_INDEX.actuator], force, rate, span)
     for r in range(I[HEADER.body], I[HEADER.body_end], BODY_INDEX.SIZE):
         row = I[r + BODY_INDEX.row]
         i = I[r + BODY_INDEX.first]
@@ -424,6 +429,17 @@ def observe_driver(S, row, i, span):
     S[row + DRIVEN.fy] = fy
     S[row + DRIVEN.force_squared_max] = larger(S[row + DRIVEN.force_squared_max], fx * fx + fy * fy)
     S[row + DRIVEN.torque_max] = larger(S[row + DRIVEN.torque_max], abs(torque))
+
+
+def observe_actuator(S, row, force, rate, span):
+    """Store the force (N, N m) of the actuator in row ``row``, its power and its work; ``rate`` (m/s, rad/s)
+    is that of the motion that it prescribes.
+    """
+    power = force * rate
+    S[row + ACTUATOR.work] += span * power
+    S[row + ACTUATOR.power] = power
+    S[row + ACTUATOR.force] = force
+    S[row + ACTUATOR.force_max] = larger(S[row + ACTUATOR.force_max], abs(force))
 
 
 def joints(S, I, start, span, central: Central):

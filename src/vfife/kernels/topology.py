@@ -30,6 +30,8 @@ class Topology:
     ``guides`` are the first contact and the one after the last of each block in a guide with clearance, whose
     corners are contacts of their own. ``wears`` are the contacts whose wear is recorded, ``profiles`` the
     numbers of harmonics of the worn profiles of bearing and journal in each contact, none by default.
+    ``joint_actuator`` are the indices of the actuators whose motion the ideal joints prescribe, -1 for none.
+    Files of versions without actuators have none; there the work of these drivers is among that of the loads.
     """
 
     particles: int
@@ -54,6 +56,7 @@ class Topology:
     joint_path: tuple[int, ...] = ()
     joint_function: tuple[int, ...] = ()
     joint_carrier: tuple[int, ...] = ()
+    joint_actuator: tuple[int, ...] = ()
     spring_first: tuple[int, ...] = ()
     spring_second: tuple[int, ...] = ()
     spring_kind: tuple[int, ...] = ()
@@ -154,6 +157,7 @@ class Topology:
             "constraint": self.constraint_starts[-1],
             "spring": len(self.spring_first),
             "driven": len(self.driven),
+            "actuator": sum(k >= 0 for k in self.joint_actuator),
             "load": len(self.load_particle),
             "body": len(self.body_nodes),
             "function": len(self.function_start),

@@ -22,7 +22,7 @@ from ..model.bodies import PointMass
 from ..solvers.record import Record
 from .contacts import largest_pressures, largest_sliding, losses
 from .elastic import largest_deflections, largest_stresses
-from .energy import driving, efficiency
+from .energy import actuator_powers, driving, efficiency, largest_actuator_forces
 from .forces import joint_force_max, joint_rows, largest_shaking, shares
 from .motion import largest_strokes
 from .statics import static_measures
@@ -138,6 +138,13 @@ OVER_TURN: Groups = (
     MeasureGroup(
         driving, {"torque.mean": "N m", "torque.ripple": "1", "power.mean": "W"},
         ("driven_work", "particle_theta"),
+    ),
+    MeasureGroup(
+        largest_actuator_forces, {"actuator_force.max": "N", "actuator_torque.max": "N m"},
+        ("actuator_force_max",)
+    ),
+    MeasureGroup(
+        actuator_powers, {"actuator_power.mean": "W"}, ("actuator_work", "actuator_power", "particle_x")
     ),
     LOSSES,
     MeasureGroup(

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..kernels import frame
-from ..kernels.topology import CURRENT
+from ..kernels.topology import CURRENT, FREE
 from ..laws.elasticity import elastic_energy
 from ..numerics import dense
 from ..numerics.elementwise import exp, hypot, sincos
@@ -133,8 +133,14 @@ def _terms(record: Record) -> dict[str, Array]:
         "damping_loss": _work(record, "damping"),
         "spring_loss": _work(record, "spring_damping"),
         "external": _work(record, "external") + constant_loads(record),
-        "driver": _work(record, "driven"),
+        "driver": driver_work(record),
     }
+
+
+def driver_work(record: Record) -> Array:
+    """Return the work of all drivers (J), shape (outputs,)."""
+    work = _work(record, "driven")
+    return work + _work(record, "actuator") if record.assembly.topology.joint_actuator else work
 
 
 def _work(record: Record, name: str) -> Array:
@@ -245,6 +251,51 @@ def constant_loads(record: Record) -> Array:
         height = gx * (c * mx - s * my) + gy * (s * mx + c * my)
         total += (height - height[0]).sum(axis=1)
     return total
+
+
+def actuators(record: Record) -> dict[str, bool]:
+    """Return the names of the actuators in the order of their records, and whether each acts along a line."""
+    topology, ideals = record.assembly.topology, record.assembly.ideals
+    turns = [turn for _, turn in topology.held]
+    return {ideals[k]: turns[k] == FREE for k, index in enumerate(topology.joint_actuator) if index >= 0}
+
+
+def quantity_of(linear: bool) -> tuple[str, str]:
+    """Return the name of what an actuator exerts, and its unit."""
+    return ("actuator_force", "N") if linear else ("actuator_torque", "N m")
+
+
+def largest_actuator_forces(record: Record, window: Window) -> dict[str, float]:
+    """Return ``<driver>.actuator_force.max`` (N), or ``.actuator_torque.max`` (N m): largest sizes over all
+    steps.
+    """
+    return named_forces(record, record.block("actuator_force_max")[window].max(axis=0).tolist())
+
+
+def named_forces(record: Record, largest: Sequence[float]) -> dict[str, float]:
+    """Return the ``largest`` forces and torques of the actuators, one for each, by the names of measures."""
+    names = actuators(record).items()
+    return {
+        f"{name}.{quantity_of(linear)[0]}.max": value
+        for (name, linear), value in zip(names, largest, strict=True)
+    }
+
+
+def actuator_powers(record: Record, window: Window) -> dict[str, float]:
+    """Return ``<driver>.actuator_power.mean`` (W) over the window: work/time, where the work is that of every
+    step.
+    """
+    names = actuators(record)
+    if not names:
+        return {}
+    part, _ = of_window(record, window)
+    turn = of_turn(record, window, part)
+    half, time = 0.5 * part.assembly.choice.step, times(turn)
+    if len(time) < 2:
+        return {}
+    work = turn.block("actuator_work") - half * turn.block("actuator_power")
+    means = (work[-1] - work[0]) / (time[-1] - time[0])
+    return {f"{name}.actuator_power.mean": float(means[k]) for k, name in enumerate(names)}
 
 
 IDLE = 1e-3  # share of output and losses below which the output is rounding

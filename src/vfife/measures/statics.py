@@ -15,6 +15,7 @@ from ..numerics.elementwise import hypot
 from ..solvers.record import Estimate, Record
 from ..solvers.refinement import DOUBLE, FOURFOLD, HALF
 from ..solvers.relaxation import extent
+from .energy import named_forces
 from .forces import joint_force, joint_moment, joint_rows
 from .motion import is_free, times
 from .turns import named
@@ -87,8 +88,9 @@ def static_measures(record: Record) -> dict[str, float]:
     """Compute the largest absolute values over all load factors.
 
     ``displacement.max`` (m), ``<joint>.force.max`` (N), ``<joint>.moment.max`` (N m),
-    ``<contact>.penetration.max`` (m), ``<driven body>.torque.max`` (N m), ``iterations`` of all factors,
-    ``unbalanced.max`` (1), and the last ``load_factor`` that was reached.
+    ``<contact>.penetration.max`` (m), ``<driven body>.torque.max`` (N m), ``<driver>.actuator_force.max``
+    (N) or ``.actuator_torque.max`` (N m), ``iterations`` of all factors, ``unbalanced.max`` (1), and the last
+    ``load_factor`` that was reached.
     """
     values = {
         "load_factor": float(times(record)[-1]),
@@ -107,6 +109,8 @@ def static_measures(record: Record) -> dict[str, float]:
     driven = {body.name: body.driven for body in record.assembly.bodies.values() if body.driven is not None}
     torques = np.abs(record.block("driven_torque")).max(axis=0)
     values |= named(driven, {"torque.max": torques[list(driven.values())]})
+    sizes = np.abs(record.block("actuator_force"))
+    values |= named_forces(record, sizes.max(axis=0).tolist())
     return {name: value for name, value in values.items() if math.isfinite(value)}
 
 

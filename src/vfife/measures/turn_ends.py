@@ -23,7 +23,14 @@ from ..solvers.repeating import TurnGrid, outputs_per_turn
 
 Array = NDArray[np.float64]
 CONTACT_LOSSES = "contact_damping", "contact_friction"
-WORKS = (*CONTACT_LOSSES, "damping", "external", "spring_damping", "driven")  # blocks of work and power
+WORKS = (
+    *CONTACT_LOSSES,
+    "damping",
+    "external",
+    "spring_damping",
+    "driven",
+    "actuator",
+)  # blocks of work and power
 FOUR = 4  # outputs through which the second interpolation goes
 
 
@@ -133,8 +140,10 @@ def _with_impacts(record: Record, row: Array, k: int, step: float) -> Array:
     for name in CONTACT_LOSSES if struck.any() else ():
         work, power = (_of(record, f"{name}_{kind}")[struck] for kind in ("work", "power"))
         row[work] = farther[work] + half * (row[power] - farther[power])
-    if struck.any() and record.keeps("driven_work"):
-        work, power = _of(record, "driven_work"), _of(record, "driven_power")
+    for name in ("driven", "actuator"):
+        if not struck.any() or not record.keeps(f"{name}_work"):
+            continue
+        work, power = _of(record, f"{name}_work"), _of(record, f"{name}_power")
         ends = [np.array(record.rows[j]) for j in (k, k + 1)]
         s = (step - float(record.steps[k])) / float(record.steps[k + 1] - record.steps[k])
         first, second = (values[work] - half * values[power] for values in ends)

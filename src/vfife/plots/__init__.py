@@ -92,10 +92,11 @@ def save_one(result: RunData, name: str | None, path: Path, other_endings: Colle
     """
     kind = path.suffix.lower()
     if kind not in PICTURES:
-        endings = ", ".join((*PICTURES, *other_endings)) if name is None else ", ".join(PICTURES)
-        raise VfifeError(
-            f'{path}: "{path.suffix or path.name}" is no format of a figure; the formats are {endings}'
-        )
+        pictures, endings = ", ".join(PICTURES), ", ".join(other_endings)
+        formats = f"figures are written as {pictures}"
+        if name is None and endings:
+            formats = f"data are written as {endings}, {formats}"
+        raise VfifeError(f'{path}: "{path.suffix or path.name}" is no format of an export; {formats}')
     figure_name = name if name is not None else path.stem
     try:
         drawn = figures(result, names=[figure_name])

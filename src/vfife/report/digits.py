@@ -25,7 +25,7 @@ LARGE = ((1e9, "thousand million"), (1e6, "million"), (1.0, ""))  # scales of la
 COUNTS = (".impacts", ".grazing", ".deep_landings")
 UNITS = {  # of the measures that a summary shows with their units, by the ends of their names
     "force.max": "N", "moment.max": "N m", "torque.max": "N m", "penetration.max": "m",
-    "displacement.max": "m",
+    "displacement.max": "m", "actuator_force.max": "N", "actuator_torque.max": "N m",
     "angular_acceleration.max": "rad/s²",
 }  # fmt: skip
 PREFIXES = (  # factors with their exponents of ten

@@ -38,7 +38,7 @@ from .digits import (
 )
 from .document import Document, Facts, Paragraph, Part, Section, Table, paragraphs
 from .noise import blow, noise
-from .run import CONFORMAL, SHARED, document
+from .run import CONFORMAL, ROUNDING, SHARED, actuator_facts, document
 from .run_tables import (
     deepest_text,
     force_text,
@@ -70,7 +70,6 @@ NEGLIGIBLE = 0.01  # of the largest measure with the same unit: no warning about
 DECISIVE = (".force.max", ".moment.max", ".torque.max")
 CORNER = re.compile(r"\.(\d)\.")  # of a block in a guide, as a part of the name of a measure
 PREFIXES_OF = ("m", "N", "N m")  # units with a prefix in sentences, as in the table
-ROUNDING = 1e-6  # of the largest torque: a smaller mean is rounding
 FAILURES = (Status.DIVERGED, Status.ENERGY, Status.NOT_CONVERGED)
 TWO_TURNS = 2.0 - 1e-9  # a run of two turns ends by rounding just before
 MOST_JOINTS, MOST_CAUTIONS, MOST_EXCEPTIONS, MOST_FACTORS = 8, 4, 3, 3
@@ -340,6 +339,7 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
         compared = f" (ideal {prefixed(ideal, 'N m')})" if ideal is not None else ""
         texts.append(f"largest torque {_torque(summary, f'{name}.torque.max')}{compared}")
         yield f"Driver {name}", ", ".join(texts)
+    yield from ((f"Driver {name}", text) for name, text in actuator_facts(summary))
     ground, shaking = summary.get("ground") or {}, measures.get("ground.shaking_force.max", 0.0)
     largest = ground.get("estimate", ground.get("at_most", 0.0))
     if shaking > 0.0 and (ground.get("joint") or largest <= LOOSE * shaking):

@@ -14,11 +14,13 @@ from .digits import (
     estimate_mark,
     ideal_shaking_text,
     is_about_zero,
+    largest_of_turns,
     measure_text,
     plain_number,
     prefixed,
     range_text,
     shaking_text,
+    sum_text,
     uncertainty,
     unit_of,
     value_text,
@@ -27,6 +29,7 @@ from .document import Caution, Document, Facts, Paragraph, Part, Table, grouped,
 from .run_tables import blow_texts, noted, reaction, tables
 from .trust import missing_mesh_estimate, trust_lines, turn_lines, verdict
 
+ROUNDING = 1e-6  # of the largest power or torque of a driver: a smaller mean is rounding
 RIPPLE = 10.0  # times the mean torque: a larger ripple is shown as an amplitude
 SHARED = (
     "* shared by least norm, not unique: joints are redundant, and rigid bodies do not determine how"
@@ -92,6 +95,7 @@ def facts(summary: Json) -> list[tuple[str, str]]:
         *_named_once("Trust", list(trust_lines(summary))),
         ("Energy", _energy(summary)),
         *(("Driver", line) for line in _torques(summary)),
+        *(("Driver", f"{name}: {text} ({summary['part']})") for name, text in actuator_facts(summary)),
         *_machine(summary),
         *_named_once(
             "Blows",
@@ -160,6 +164,25 @@ def _torques(summary: Json) -> Iterator[str]:
                 f" {reaction(summary, f'{name}.torque.max', body['torque.max'])}{compared}"
                 f" ({summary['part']})"
             )
+
+
+def actuator_facts(summary: Json) -> Iterator[tuple[str, str]]:
+    """Yield name and text of each actuator: mean power, and largest force or torque."""
+    friction = [measure for measure in summary["measures"] if measure.endswith(".friction_power.mean")]
+    total = sum(summary["measures"][measure] for measure in friction)
+    losses = f" ({sum_text(summary, friction, 'W')} friction)" if total else ""
+    for name, actuator in summary.get("actuators", {}).items():
+        measure, power = actuator["measure"], f"{name}.actuator_power.mean"
+        texts = []
+        if abs(summary["measures"].get(power, 0.0)) > ROUNDING * actuator["power"]:
+            texts.append(f"mean power {value_text(summary, power, 'W')}{losses}")
+        if measure in summary["measures"]:
+            word = "force" if actuator["unit"] == "N" else "torque"
+            ideal = actuator["ideal"]
+            compared = "" if ideal is None else f" (ideal {prefixed(ideal, actuator['unit'])})"
+            largest = largest_of_turns(summary, measure, actuator["unit"])
+            texts.append(f"largest {word} {largest}{compared}")
+        yield name, ", ".join(texts)
 
 
 def _laws(laws: Json) -> str:

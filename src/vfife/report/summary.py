@@ -5,8 +5,11 @@ from __future__ import annotations
 import dataclasses
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..measures import influence
 from ..measures.blows import blows
+from ..measures.energy import actuators, quantity_of
 from ..measures.forces import MODES, ground_joints, other_ground_force
 from ..measures.landings import measured_knocks
 from ..measures.motion import rotation
@@ -59,8 +62,8 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
     (what bounds the shaking force of a run with contact), ``dead_centres``, ``conformal``, ``law_facts``,
     ``surface_facts``, ``remarks``, ``warnings``, ``law_dependent`` (joints whose forces depend more on the
     contact law than on the step, with the index of the warning) and, of a model with stops, ``stops``
-    (contacts that the outputs show, by name) with the ``stop_interval`` of the outputs (s) are what the
-    document of
+    (contacts that the outputs show, by name) with the ``stop_interval`` of the outputs (s), and of a model
+    with drivers of sliders or points ``actuators`` are what the document of
     :mod:`~vfife.report.run` is made of.
     """
     reference = reference if reference is not None else result.reference
@@ -120,6 +123,7 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
         "not_estimated": [name for name, measure in result.measures.items() if not measure.estimated],
         "trust": trust,
         **_stops(record),
+        **({} if static else _actuators(result, ideal)),
     }
 
 
@@ -131,6 +135,20 @@ def _cautions(result: RunData, leading: str) -> Json:
     warnings = list(transient_cautions(result, leading, of_laws))
     dependent = {name: warnings.index(text) for name, text in of_laws.items()}
     return {"warnings": warnings, "law_dependent": dependent}
+
+
+def _actuators(result: RunData, ideal: Any) -> Json:
+    """Return for each actuator the ``measure`` of its largest force or torque with that of the ``ideal``
+    mechanism, and its largest power at the outputs (``power``, W), as an entry of a summary; nothing without
+    actuators.
+    """
+    powers = np.abs(result.record.block("actuator_power")).max(axis=0).tolist()
+    entries = {}
+    for (name, linear), power in zip(actuators(result.record).items(), powers, strict=True):
+        quantity, unit = quantity_of(linear)
+        measure = f"{name}.{quantity}.max"
+        entries[name] = {"measure": measure, "unit": unit, "ideal": ideal.get(measure), "power": power}
+    return {"actuators": entries} if entries else {}
 
 
 def _stops(record: Record) -> Json:

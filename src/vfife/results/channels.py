@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..kernels.blocks import BY_NAME
 from ..measures import contacts, elastic, forces, motion
 from ..measures.contacts import contact_angle, mean_power, sliding_speed, spent_energy
-from ..measures.energy import Ledger
+from ..measures.energy import Ledger, actuators, quantity_of
 from ..measures.forces import ground_load
 from ..measures.statics import displacement
 from ..measures.wear import SIDES, coefficients, work
@@ -101,8 +101,8 @@ ENERGIES: Mapping[str, tuple[str, str]] = {
     "damping_loss": ("damping_loss", "energy lost in mass-proportional damping"),
     "spring_energy": ("spring", "elastic energy of springs, stops and bushings"),
     "spring_loss": ("spring_loss", "energy lost in their dampers"),
-    "external_work": ("external", "work of weight and loads"),
-    "driver_work": ("driver", "work of the drivers"),
+    "external_work": ("external", "work of weight and loads, and of torques and forces of drivers"),
+    "driver_work": ("driver", "work of the drivers that prescribe a motion"),
 }
 
 # Frame of recorded blocks that are components or angles.
@@ -120,7 +120,8 @@ MOVING = frozenset(
         "friction_energy", "impact_energy", "friction_power", "impact_power", "sliding_velocity",
         "pressure_velocity",
         "bearing_wear", "journal_wear",
-        "slider_velocity", "slider_acceleration", "driver_power",
+        "slider_velocity", "slider_acceleration", "driver_power", "actuator_power", "actuator_force_max",
+        "actuator_torque_max",
     )
 )  # fmt: skip
 
@@ -134,6 +135,7 @@ def entities(record: Record) -> dict[str, list[str]]:
         "body": list(assembly.bodies),
         "spring": list(assembly.springs),
         "driver": [body.name for body in sorted(_driven(record), key=lambda body: int(body.driven or 0))],
+        "actuator": list(actuators(record)),
         "slider": motion.sliders(record),
         "elastic": [name for name, body in assembly.bodies.items() if body.elements],
         "element": motion.element_names(record),
@@ -337,6 +339,22 @@ def wear_volume_channels(record: Record) -> dict[str, Channel]:
     return values
 
 
+def actuator_channels(record: Record) -> dict[str, Channel]:
+    """Return forces, torques and powers of the drivers of sliders, points and bodies against others; NaN is
+    the force of one that turns, and the torque of one that moves along a line.
+    """
+    linear, values = np.array(list(actuators(record).values())), dict[str, Channel]()
+    for of_line in sorted(set(linear.tolist()), reverse=True):
+        (name, unit), fits = quantity_of(of_line), linear == of_line
+        words = "force along its line" if of_line else "torque"
+        for ending, meaning in (("", f"{words} of the driver"), ("_max", f"largest {words} of the driver")):
+            numbers = np.where(fits, record.block(f"actuator_force{ending}"), np.nan)
+            text = f"{meaning} since the last output" if ending else meaning
+            values[f"{name}{ending}"] = Channel(numbers, "actuator", unit, text)
+    power = record.block("actuator_power")
+    return values | {"actuator_power": Channel(power, "actuator", "W", "power of the driver")}
+
+
 def slider_channels(record: Record) -> dict[str, Channel]:
     """Return position, velocity and acceleration of sliders along their guides."""
     moved = [
@@ -431,6 +449,7 @@ ENTITY_CHANNELS: Mapping[str, tuple[Callable[[Record], dict[str, Channel]], ...]
     "clearance": (_clearances, wear_channels),
     "spring": (),
     "driver": (),
+    "actuator": (actuator_channels,),
     "particle": (_particles,),
     "element": (_elements,),
     "slider": (slider_channels,),

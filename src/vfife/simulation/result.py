@@ -25,6 +25,7 @@ from ..results.provenance import (
 from ..results.run_data import RunData
 from ..results.selection import selection
 from ..solvers.record import Estimate, Record, Rows, lasting_rows
+from ..solvers.status import Status
 from ..store.connections import unwritten, warn_of_damage
 from ..store.runfile import RunFile
 from ..store.schemas import is_run_file
@@ -52,6 +53,11 @@ class Result(RunData):
     ) -> None:
         super().__init__(record, reference)
         self.arguments = {} if arguments is None else dict(arguments)
+
+    @property
+    def status(self) -> Status:
+        """How the run ended, as a text: "complete", "interrupted", "diverged", ..."""
+        return self.record.status
 
     @cached_property
     def summary(self) -> dict[str, Any]:

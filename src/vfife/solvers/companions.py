@@ -88,7 +88,8 @@ SAMPLED = (
     "contact_duration", "contact_damping_work", "contact_damping_power", "contact_friction_work",
     "contact_friction_power", "wear_work",
 )  # fmt: skip
-DRIVING = ("driven_work", "driven_power", "particle_theta")  # needed for means of powers and torques
+# Needed for means of powers and torques.
+DRIVING = ("driven_work", "driven_power", "actuator_work", "actuator_power", "particle_theta")
 
 
 @dataclass(frozen=True)

@@ -38,6 +38,7 @@ ESCAPE_DISTANCE = 100.0  # distance from the start, in sizes of the mechanism, b
 STATE_OF_REST = ("u", "v", "w", "ax", "ay", "aw")
 MEANINGLESS = (
     "damping_power", "damping_work", "external_power", "external_work", "driven_power", "driven_work",
+    "actuator_power", "actuator_work",
     "spring_damping_power",
     "spring_damping_work", "contact_damping_power", "contact_damping_work", "contact_friction_power",
     "contact_friction_work",

@@ -169,6 +169,11 @@ class Lists:
             for k in range(len(self.t.contact_bearing))
         ]
 
+    def actuators(self) -> list[int]:
+        """Return the row of the actuator of each ideal joint, 0 where none moves it."""
+        indices = self.t.joint_actuator or (-1,) * len(self.t.joint_bearing)
+        return [self.layout.record("actuator", k) if k >= 0 else 0 for k in indices]
+
     def profiles(self) -> list[list[int]]:
         """Return first row and number of the harmonics of each contact's bearing, and those of its
         journal.
@@ -225,7 +230,7 @@ class Lists:
                 first=[row(k) if self.count else 0 for k in starts[:-1]],
                 y=[self.y + place.get(k, 0) for k in starts[:-1]],
                 function=self.function(t.joint_function or [-1] * len(t.joint_bearing)), rows=counts,
-                piece=piece, pieces=pieces,
+                piece=piece, pieces=pieces, actuator=self.actuators(),
             ),
             "constraint": records(
                 CONSTRAINT_INDEX, row=[row(k) for k in rows], bearing=bearing[joints],
@@ -331,7 +336,7 @@ def tables(topology: Topology) -> tuple[NDArray[np.uint32], Layout, int]:
         gn,
         gt,
     )
-    worked = bool(t.load_particle) or any(k >= 0 for k in t.joint_function)
+    worked = bool(t.load_particle) or (not t.joint_actuator and any(k >= 0 for k in t.joint_function))
     watched = bool(t.contact_bearing or t.function_start or t.coarse or STOP in t.spring_kind)
     turned = gt + lists_of.count
     flags = {

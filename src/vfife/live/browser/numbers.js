@@ -171,7 +171,7 @@ class Reader {
       "lost in damping": work("damping"),
       "lost in springs": work("spring_damping"),
       loads: work("external") + this.constant(data, at),
-      drivers: work("driven"),
+      drivers: work("driven") + work("actuator"),
     };
   }
 

@@ -23,11 +23,14 @@ def check_target(checks: Checks, path: Path, name: str, driver: Any) -> None:
     """Check that the target exists and that the driver can act on it."""
     targets = [target for target in ("body", "slider", "point") if getattr(driver, target)]
     if len(targets) > 1:
-        checks.add(
-            (*path, targets[1]),
-            f"it drives a {' and a '.join(targets)}",
-            "name one of them, or write a driver for each",
-        )
+        remedy = "name one of them, or write a driver for each"
+        if targets[0] == "body" and driver.body not in checks.mechanism.bodies:
+            kind = targets[1]
+            remedy = (
+                f"name one of them: there is no body {shown_name(driver.body)}. In a script the first"
+                f" argument is the driven body, and the driver of a {kind} takes its name from the {kind}"
+            )
+        checks.add((*path, targets[1]), f"it drives a {' and a '.join(targets)}", remedy)
     elif driver.target not in driver.drives:
         checks.add(
             (*path, driver.target),
