@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..job.progress import counted
+from ..measures.attractors import ALIKE_POINTS
 from ..measures.chaos import CHAOTIC, NO_POINTS, STEP_UNKNOWN, TEST_POINTS, UNDECIDED
 from .digits import quantity
 from .document import Document, Paragraph, Table, paragraphs
@@ -123,15 +124,16 @@ def basins(result: Basins) -> Document:
         else ""
     )
     criterion = (
-        f"of one period, for their points move with {' and '.join(spec.varied)}"
+        f"periodic motions are one of one period, for their points move with {' and '.join(spec.varied)}"
         if spec.varied
-        else "whose points are within 1 % of that of all"
+        else "a motion belongs to a periodic one, settled or not, if all their points agree within"
+        f" {100.0 * ALIKE_POINTS:g} % of the range of the motion"
     )
     texts = [
         *_undecided_starts(result),
+        *_transients(result),
         f"{_protocol(result, f'{spec.turns} turns of each start')}{impossible}",
-        "A motion is periodic if points repeat within 0.1 % of the range; periodic motions are one"
-        f" {criterion}.",
+        f"A motion is periodic if points repeat within 0.1 % of the range; {criterion}.",
         f"Companions: {result.step_report or 'none.'}",
     ]
     return Document(
@@ -154,6 +156,19 @@ def _undecided_starts(result: Basins) -> list[str]:
         f" {TEST_POINTS} or more (turns ="
         f" {3 * TEST_POINTS}; two thirds are discarded by default)."
     ]
+
+
+def _transients(result: Basins) -> list[str]:
+    """Return which periodic motions may be transients, and the remedy."""
+    numbers = ", ".join(str(k + 1) for k in result.transients)
+    return (
+        [
+            f"Motion {numbers} of this table may be a transient near an unstable motion, because a small"
+            " difference decays in none of its starts: take more turns."
+        ]
+        if numbers
+        else []
+    )
 
 
 def section(result: PoincareSection) -> Document:
