@@ -15,7 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import Fault, ModelError
-from ..measures.attractors import ALIKE_POINTS, Attractor, attractors, is_attracting, period_of, tolerance_of
+from ..measures.attractors import (
+    Attractor,
+    attractors,
+    change,
+    is_attracting,
+    period_of,
+    step_share,
+    tolerance_of,
+)
 from ..measures.chaos import CHAOTIC, TEST_POINTS, UNDECIDED, Verdict, exponent, verdict
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
@@ -196,14 +204,30 @@ class Basins(CheckedMap):
         }
 
     @cached_property
+    def share(self) -> float:
+        """Share of the range of a motion within which points of two motions are equal: four times the median
+        change of points with another step, from 0.1 % to 1 %; 1 % without companions.
+        """
+        changes = [
+            change(
+                (self.verdicts[case.number].kind, self.points[case.number]),
+                (case.kind, case.points),
+                self.ranges_of(case.number),
+            )
+            for case in self.companions
+            if len(case.points) and case.number in self.verdicts
+        ]
+        return step_share([value for value in changes if value is not None])
+
+    @cached_property
     def attractors(self) -> list[Attractor]:
         """The motions to which cases lead, beginning with the most frequent.
 
-        Two cases lead to the same motion if their points agree within a hundredth of the range of the motion
-        (:func:`~vfife.measures.attractors.attractors`). Over a parameter of the model points shift from case
-        to case; there all motions of one kind count as one.
+        Two cases lead to the same motion if their points agree within the share :attr:`share` of the range of
+        the motion (:func:`~vfife.measures.attractors.attractors`). Over a parameter of the model points shift
+        from case to case; there all motions of one kind count as one.
         """
-        cases, tolerance = range(self.spec.count), math.inf if self.spec.varied else ALIKE_POINTS
+        cases, tolerance = range(self.spec.count), math.inf if self.spec.varied else self.share
         points = [self.points[k] if k in self.verdicts else None for k in cases]
         ranges = [None if orbit is None else self.ranges_of(k) for k, orbit in enumerate(points)]
         return attractors(points, [self.verdicts.get(k) for k in cases], tolerance, ranges)
@@ -245,7 +269,7 @@ class Basins(CheckedMap):
     def motion_of(self, case: Companion) -> tuple[Array, Array]:
         """Return the points of the motion that a companion's case reached, and their tolerance."""
         points, attractor = self.points[case.number], self.reached(case.number)
-        tolerance = tolerance_of(points, self.ranges_of(case.number))
+        tolerance = tolerance_of(points, self.ranges_of(case.number), self.share)
         if self.spec.varied or not period_of(attractor.kind) or attractor.tolerance is None:
             return points, tolerance
         return attractor.points, attractor.tolerance

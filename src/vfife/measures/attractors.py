@@ -3,7 +3,8 @@ reaches the same motion.
 
 The onset of a contact lies elsewhere in its step each time, so the points of one motion differ a little from
 start to start. Points are therefore compared with the range of the motion within a turn, not with the range
-of all points: with a single attractor that is the scatter itself.
+of all points: with a single attractor that is the scatter itself. How far they may differ is the error of the
+step, which repetitions with other steps show.
 """
 
 from __future__ import annotations
@@ -18,9 +19,15 @@ from numpy.typing import NDArray
 from .chaos import CHAOTIC, DIVERGED, EQUAL, Verdict
 
 Array = NDArray[np.float64]
-# Share of the range of a motion within which the points of two motions are equal: the largest scatter of
-# points due to the step with which a motion is still called periodic (measures.chaos.SCATTER).
+# Largest share of the range of a motion within which the points of two motions are equal: the largest scatter
+# of points due to the step with which a motion is still called periodic (measures.chaos.SCATTER). It is used
+# where the error of the step is not known.
 ALIKE_POINTS = 0.01
+# Smallest such share: points of one motion repeat within it.
+SMALLEST_SHARE = 1e-3
+# Ratio of the share to the median change of the points with another step, or to their scatter. Differences of
+# two starts were up to 2.5 times the median change in pendulums with a stop.
+STEP_WIDTHS = 4.0
 # A motion that comes to rest has no range: its points are compared with this share of the range of the points
 # of all periodic motions, as points of one motion are with the range of its own.
 REST_SHARE = 1e-3
@@ -43,7 +50,7 @@ class Attractor:
         """Return whether ``points``, one a turn, of a ``kind`` of motion are those of this periodic one."""
         if kind in IRREGULAR_KINDS or not len(self.points) or self.tolerance is None:
             return False
-        return follows(points, self.points, self.tolerance)
+        return deviation(points, self.points, self.tolerance) <= 1.0
 
 
 def period_of(kind: str) -> int:
@@ -51,15 +58,41 @@ def period_of(kind: str) -> int:
     return int(kind.removeprefix("period ")) if kind.startswith("period ") else 0
 
 
-def follows(points: Array, orbit: Array, tolerance: Array) -> bool:
-    """Return whether all ``points``, one a turn, shape (turns, coordinates), lie within ``tolerance`` of the
-    ``orbit``, the points of a periodic motion, shape (period, coordinates), in their order, wherever in the
-    period they begin.
+def deviation(points: Array, orbit: Array, size: Array) -> float:
+    """Return the largest difference (1, of ``size``) of ``points``, one a turn, shape (turns, coordinates),
+    from the ``orbit``, the points of a periodic motion, shape (period, coordinates), in their order, from
+    where in the period it is least.
     """
     turns = np.arange(len(points))
-    return any(
-        bool((np.abs(points - orbit[(turns + shift) % len(orbit)]) <= tolerance).all())
+    return min(
+        float((np.abs(points - orbit[(turns + shift) % len(orbit)]) / size).max())
         for shift in range(len(orbit))
+    )
+
+
+def step_share(changes: Sequence[float]) -> float:
+    """Return the share of the range of a motion within which points are equal, from the ``changes`` of points
+    with other steps (1, of that range); a repetition that reaches another motion does not decide it.
+    """
+    if not changes:
+        return ALIKE_POINTS
+    return min(ALIKE_POINTS, max(SMALLEST_SHARE, STEP_WIDTHS * float(np.median(changes))))
+
+
+def change(first: tuple[str, Array], second: tuple[str, Array], ranges: Array) -> float | None:
+    """Return the difference of two motions (1, of ``ranges``), each its kind and its points, shape (turns,
+    coordinates); None if none of them is periodic, or one is chaotic or has diverged.
+    """
+    if first[0] in IRREGULAR_KINDS or second[0] in IRREGULAR_KINDS:
+        return None
+    size = tolerance_of(first[1], ranges, 1.0)
+    return min(
+        (
+            deviation(points, orbit[-period:], size)
+            for (kind, orbit), (_, points) in ((first, second), (second, first))
+            if (period := period_of(kind))
+        ),
+        default=None,
     )
 
 
@@ -70,7 +103,7 @@ def tolerance_of(points: Array, ranges: Array, alike: float = ALIKE_POINTS) -> A
     """
     if not np.isfinite(points).all():
         return np.full(points.shape[1], np.nan)
-    size = np.maximum(np.maximum(ranges, np.ptp(points, axis=0)), 1e-300)
+    size = np.maximum(np.maximum(ranges, np.ptp(points, axis=0)), 1e-200)
     return np.asarray(np.maximum(alike * size, EQUAL * np.abs(points).max(axis=0)))
 
 
@@ -84,7 +117,9 @@ def same_motion(first: tuple[str, Array], second: tuple[str, Array], tolerance: 
     if not any(periods):
         return first[0] == second[0]
     return any(
-        period > 0 and motion[0] not in IRREGULAR_KINDS and follows(motion[1], orbit[-period:], tolerance)
+        period > 0
+        and motion[0] not in IRREGULAR_KINDS
+        and deviation(motion[1], orbit[-period:], tolerance) <= 1.0
         for period, (_, orbit), motion in zip(periods, (first, second), (second, first), strict=True)
     )
 
@@ -99,7 +134,8 @@ def attractors(
 
     Periodic motions are one if their points are equal within ``alike`` of the range of the motion, wherever
     in the period they begin. ``ranges`` are those of the coordinates of each motion within a turn; unless
-    given, the range of the points of all motions takes their place. A motion of another period, or one that
+    given, the range of the points of all motions takes their place; points that scatter have four times
+    their scatter, up to :data:`ALIKE_POINTS`. A motion of another period, or one that
     is not settled, not decided or quasi-periodic, belongs to a periodic motion if all its points lie within
     the same distance. All chaotic motions are one attractor here, and all others of one kind, because their
     points do not repeat.
@@ -120,7 +156,9 @@ def attractors(
         else:
             tolerance = smallest if judgement.period else None
             if judgement.period and ranges is not None and (motion_range := ranges[k]) is not None:
-                tolerance = np.maximum(tolerance_of(orbit, motion_range, alike), smallest)
+                scatter = STEP_WIDTHS * np.nan_to_num(judgement.scatter)
+                share = alike if math.isinf(alike) else max(alike, min(ALIKE_POINTS, scatter))
+                tolerance = np.maximum(tolerance_of(orbit, motion_range, share), smallest)
             groups.append(Attractor(judgement.kind, turn, (k,), tolerance))
     groups.sort(key=lambda group: -len(group.members))
     return groups if math.isinf(alike) else _merged(groups, motions)
@@ -136,7 +174,7 @@ def _least_tolerance(motions: dict[int, tuple[Array, Verdict]], alike: float, of
     if not counted:
         return np.asarray(alike)
     share = alike if of_all else min(alike, REST_SHARE)
-    return np.asarray(share * np.maximum(np.ptp(np.concatenate(counted), axis=0), 1e-300))
+    return np.asarray(share * np.maximum(np.ptp(np.concatenate(counted), axis=0), 1e-200))
 
 
 def is_attracting(motions: Sequence[Verdict]) -> bool:

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..job.progress import counted
-from ..measures.attractors import ALIKE_POINTS
 from ..measures.chaos import CHAOTIC, NO_POINTS, STEP_UNKNOWN, TEST_POINTS, UNDECIDED
 from .digits import quantity
 from .document import Document, Paragraph, Table, paragraphs
@@ -127,7 +126,8 @@ def basins(result: Basins) -> Document:
         f"periodic motions are one of one period, for their points move with {' and '.join(spec.varied)}"
         if spec.varied
         else "a motion belongs to a periodic one, settled or not, if all their points agree within"
-        f" {100.0 * ALIKE_POINTS:g} % of the range of the motion"
+        f" {100.0 * result.share:.2g} % of the range of the motion"
+        f" ({'error of the step, 0.1 to 1 %' if result.companions else 'error of the step not known'})"
     )
     texts = [
         *_undecided_starts(result),
