@@ -148,8 +148,10 @@ def packed(companions: Iterable[Companion]) -> Array:
 
 
 def packed_points(companions: Sequence[Companion]) -> Array:
-    """Return the points of companions as an array of a map file, shape (companions, turns, series)."""
-    return np.stack([companion.points for companion in companions]) if companions else np.zeros((0, 0, 0))
+    """Return the points of companions as an array of a map file, shape (companions, turns x series)."""
+    return (
+        np.stack([companion.points.ravel() for companion in companions]) if companions else np.zeros((0, 0))
+    )
 
 
 def unpacked(rows: Array | None, points: Array | None = None, series: int = 1) -> list[Companion]:
