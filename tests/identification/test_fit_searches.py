@@ -244,3 +244,15 @@ def test_columns_that_are_not_compared_are_named(tmp_path):
     units = {"x": "m", "y": "m"}
     assert measured(path, units, columns_of({"mic": "y"})).omitted == ("x",)
     assert measured(path, units).omitted == () == measured(path, units, columns_of(["x", "mic=y"])).omitted
+
+
+def test_the_time_left_is_within_the_forecast_until_the_pace_is_known():
+    """Of 1000 runs in at most 250 s: slow first runs do not double it; a slow tenth does, and says so."""
+    watched = Evaluations([], [], bound=250.0)
+    watched.begin(1000, 0)
+    assert watched.time_left(200, 20.0) == ", at most about 1 min 20 s left"
+    assert watched.time_left(20, 20.0) == ", at most about 3 min 50 s left"
+    assert watched.time_left(100, 100.0) == ", slower than forecast: at most about 15 min 00 s left"
+    assert watched.time_left(50, 260.0).startswith(", slower than forecast: at most about 1 h")
+    watched.bound = math.inf  # not forecast
+    assert watched.time_left(20, 20.0) == ", at most about 16 min 20 s left"

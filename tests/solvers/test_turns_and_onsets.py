@@ -145,8 +145,8 @@ def test_members_as_far_before_the_phase_go_side_by_side() -> None:
 
 
 def test_members_make_their_turns_and_are_looked_at_once_in_each(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The first step by itself, the rest of what comes before, two turns that are dropped,
-    then three turns.
+    """The first step by itself, what comes before the last turn that is dropped, that turn at 36 outputs with
+    its rest, then three turns.
     """
     calls: list[tuple[int, int]] = []
     runner = TurnRunner([crank()], 0.25)
@@ -156,9 +156,10 @@ def test_members_make_their_turns_and_are_looked_at_once_in_each(monkeypatch: py
         "advance",
         lambda which, steps, outputs: calls.append((steps, outputs)) or advance(which, steps, outputs),
     )
-    rows, growth = Orbits(1000, 5, 2).record_turns(runner)
+    path, rows, growth = Orbits(1000, 5, 2).record_turns(runner)
     assert (
-        calls == [(1250, 1), (2000, 1), (1000, 3)]
+        calls == [(2250, 1), (27, 37), (1, 1), (1000, 3)]
+        and path.shape == (37, len(runner.row_numbers), 1)
         and rows.shape == (3, len(runner.row_numbers), 1)
         and growth.shape == (0, LANES)
     )

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
@@ -15,6 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import Fault, ModelError
+from ..measures.attractors import (
+    Attractor,
+    attractors,
+    change,
+    is_attracting,
+    period_of,
+    step_share,
+    tolerance_of,
+)
 from ..measures.chaos import CHAOTIC, TEST_POINTS, UNDECIDED, Verdict, exponent, verdict
 from ..model.mechanism import Mechanism
 from ..modelfile import dump
@@ -29,15 +38,27 @@ from .maps import (
     START,
     TURNED_START,
     MapOptions,
+    MapRows,
     MapSpec,
     TurnRun,
     finite,
     models_along,
     neighbours_of,
 )
-from .series import chosen_series, motion_ranges
+from .series import chosen_series, motion_ranges, with_peaks
 from .start_states import StartStates, refuse_contradiction, unit_of_start, values_between
-from .step_check import SAMPLE, CheckedMap, Companion, orbits, packed, sampled, start_companions, unpacked
+from .step_check import (
+    SAMPLE,
+    CheckedMap,
+    Companion,
+    orbits,
+    packed,
+    packed_points,
+    path_ranges,
+    sampled,
+    start_companions,
+    unpacked,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -45,60 +66,13 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 FIRST_LOOK = 100, 30  # starts, and turns of each
 COMPANIONS = "beside"  # key of the companions in a map file
+COMPANION_POINTS = "beside points"  # key of their points
+RANGE = "range {}"  # key of the ranges of the series in the motion of a case
 TRANSIENT = (
     "a small difference grows over {turns} turns, as in chaos or in a long transient, and decays from another"
     " start of the same model: take more turns (300)"
 )
 OF_START = {"position", "angle", "velocity"}  # keys of a body that describe its start
-
-
-ALIKE_POINTS = 0.01  # share of the range of all points within which two periodic motions are one
-
-
-@dataclass(frozen=True)
-class Attractor:
-    """A motion that ``members`` reached: its ``kind``, and its ``points`` if it is periodic, shape (period,
-    coordinates).
-    """
-
-    kind: str
-    points: Array
-    members: tuple[int, ...]
-
-
-def attractors(
-    points: Sequence[Array | None], verdicts: Sequence[Verdict | None], alike: float = ALIKE_POINTS
-) -> list[Attractor]:
-    """Group motions into attractors, the one with most members first; members without points belong to none.
-
-    Periodic motions are one if their points are equal within ``alike`` of the range of all points, wherever
-    in the period they begin. All chaotic motions are one attractor here, and all quasi-periodic ones, because
-    their points do not repeat.
-    """
-    classified = [
-        (k, points_of_start, judgement)
-        for k, (points_of_start, judgement) in enumerate(zip(points, verdicts, strict=True))
-        if points_of_start is not None and judgement is not None
-    ]
-    finite = [orbit for _, orbit, _ in classified if np.isfinite(orbit).all()]
-    size = alike * np.maximum(np.ptp(np.concatenate(finite), axis=0), 1e-300) if finite else np.ones(1)
-    groups: list[Attractor] = []
-    for k, orbit, judgement in classified:
-        turn = orbit[-judgement.period :] if judgement.period else np.zeros((0, orbit.shape[1]))
-        for g, group in enumerate(groups):
-            if group.kind == judgement.kind and (
-                judgement.period is None or equal_periods(group.points, turn, size)
-            ):
-                groups[g] = Attractor(group.kind, group.points, (*group.members, k))
-                break
-        else:
-            groups.append(Attractor(judgement.kind, turn, (k,)))
-    return sorted(groups, key=lambda group: -len(group.members))
-
-
-def equal_periods(first: Array, second: Array, size: Array) -> bool:
-    """Return whether two periods have the same points, wherever they begin."""
-    return any((np.abs(np.roll(second, shift, axis=0) - first) <= size).all() for shift in range(len(first)))
 
 
 @dataclass(frozen=True)
@@ -153,7 +127,8 @@ class Basins(CheckedMap):
 
     ``points`` by number of the case: the series once a turn, shape (turns, series), with no turns where there
     is no start. ``growth`` by number of the case: logarithm of the growth of a small difference in each of
-    these turns, shape (turns,).
+    these turns, shape (turns,). ``ranges`` by number of the case: range of each series within a turn of the
+    motion, shape (series,); files of former versions have none.
     """
 
     kind: ClassVar[str] = "basins"
@@ -161,6 +136,7 @@ class Basins(CheckedMap):
     most_differences: ClassVar[int] = 1  # a start has two long numbers
     points: Mapping[int, Array]
     growth: Mapping[int, Array]
+    ranges: Mapping[int, Array] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -169,6 +145,7 @@ class Basins(CheckedMap):
         spec: BasinSpec,
         legs: Mapping[int, tuple[Array, Array]],
         companions: Sequence[Companion],
+        ranges: Mapping[int, Array],
     ) -> Basins:
         """Return the basins that consist of the rows of a map file."""
         points = {k: rows.reshape(-1, len(spec.series)) for k, (rows, _) in legs.items()}
@@ -178,15 +155,15 @@ class Basins(CheckedMap):
             tuple(companions),
             points,
             {k: logarithms.reshape(-1) for k, (_, logarithms) in legs.items()},
+            ranges,
         )
 
     @classmethod
     def read(cls, file: MapFile) -> Basins:
         """Return the basins in a map file, as far as they are computed."""
-        spec = file.spec
-        return cls.of(
-            spec["name"], BasinSpec.of(spec["asked"]), file.legs(gaps=True), unpacked(file.array(COMPANIONS))
-        )
+        spec, rows = BasinSpec.of(file.spec["asked"]), MapRows(file)
+        legs = file.legs(gaps=True)
+        return cls.of(file.spec["name"], spec, legs, stored_companions(rows, spec), stored_ranges(rows, legs))
 
     @property
     def planned(self) -> int:
@@ -227,15 +204,51 @@ class Basins(CheckedMap):
         }
 
     @cached_property
+    def share(self) -> float:
+        """Share of the range of a motion within which points of two motions are equal: four times the median
+        change of points with another step, from 0.1 % to 1 %; 1 % without companions.
+        """
+        changes = [
+            change(
+                (self.verdicts[case.number].kind, self.points[case.number]),
+                (case.kind, case.points),
+                self.ranges_of(case.number),
+            )
+            for case in self.companions
+            if len(case.points) and case.number in self.verdicts
+        ]
+        return step_share([value for value in changes if value is not None])
+
+    @cached_property
     def attractors(self) -> list[Attractor]:
         """The motions to which cases lead, beginning with the most frequent.
 
-        Two cases lead to the same motion if their points agree. Over a parameter of the model points shift
+        Two cases lead to the same motion if their points agree within the share :attr:`share` of the range of
+        the motion (:func:`~vfife.measures.attractors.attractors`). Over a parameter of the model points shift
         from case to case; there all motions of one kind count as one.
         """
-        cases, tolerance = range(self.spec.count), math.inf if self.spec.varied else ALIKE_POINTS
+        cases, tolerance = range(self.spec.count), math.inf if self.spec.varied else self.share
         points = [self.points[k] if k in self.verdicts else None for k in cases]
-        return attractors(points, [self.verdicts.get(k) for k in cases], tolerance)
+        ranges = [None if orbit is None else self.ranges_of(k) for k, orbit in enumerate(points)]
+        return attractors(points, [self.verdicts.get(k) for k in cases], tolerance, ranges)
+
+    def ranges_of(self, case: int) -> Array:
+        """Return the range of each series within a turn of the motion of a case, shape (series,)."""
+        points = self.points[case]
+        if case not in self.ranges:
+            return motion_ranges(self.spec, points)
+        return with_peaks(self.ranges[case], self.spec.series, points)
+
+    @property
+    def transients(self) -> list[int]:
+        """Indices of the periodic :attr:`attractors` from which no small difference decays: they may be
+        transients near an unstable motion.
+        """
+        return [
+            k
+            for k, attractor in enumerate(self.attractors)
+            if period_of(attractor.kind) and not is_attracting([self.verdicts[n] for n in attractor.members])
+        ]
 
     @property
     def labels(self) -> Array:
@@ -246,8 +259,20 @@ class Basins(CheckedMap):
         return labels.reshape(len(self.spec.y), len(self.spec.x))
 
     def kind_of(self, case: Companion) -> str:
-        """Return the kind of motion of a companion's case; empty if it is not computed."""
-        return self.verdicts[case.number].kind if case.number in self.verdicts else ""
+        """Return the kind of the motion that a companion's case reached; empty if it is not computed."""
+        return self.reached(case.number).kind if case.number in self.verdicts else ""
+
+    def reached(self, case: int) -> Attractor:
+        """Return the motion that a case reached."""
+        return next(attractor for attractor in self.attractors if case in attractor.members)
+
+    def motion_of(self, case: Companion) -> tuple[Array, Array]:
+        """Return the points of the motion that a companion's case reached, and their tolerance."""
+        points, attractor = self.points[case.number], self.reached(case.number)
+        tolerance = tolerance_of(points, self.ranges_of(case.number), self.share)
+        if self.spec.varied or not period_of(attractor.kind) or attractor.tolerance is None:
+            return points, tolerance
+        return attractor.points, attractor.tolerance
 
     def name_of(self, case: Companion) -> str:
         """Return the numbers of a companion's case as text."""
@@ -380,12 +405,16 @@ def follow_starts(
     follow a small difference; None for none.
     """
     with run.rows(Basins, name, spec) as rows:
-        legs, checked = rows.done, unpacked(rows.array(COMPANIONS))
+        legs, checked = rows.done, stored_companions(rows, spec)
         legs |= rows.legs(gaps=True)
+        ranges = stored_ranges(rows, legs)
         for orbit, points in orbits(
             spec, neighbours, [start_of(case, spec.steps) for case in range(spec.count)], done=tuple(legs)
         ):
             legs[orbit.number] = points, orbit.growth
+            if orbit.assembly is not None:
+                ranges[orbit.number] = path_ranges(spec, orbit)
+                rows.write("arrays", RANGE.format(orbit.number), ranges[orbit.number])
             rows.write("legs", orbit.number, points, orbit.growth, np.zeros(0))
             run.job.count(len(legs), spec.count, "starts")
         if not checked and spec.companions:
@@ -395,8 +424,20 @@ def follow_starts(
                     spec, [cases[k] for k in sampled(len(cases), spec.companions)], start_of, neighbours
                 )
             )
+            rows.write("arrays", COMPANION_POINTS, packed_points(checked))
             rows.write("arrays", COMPANIONS, packed(checked))
-    return Basins.of(name, spec, legs, checked)
+    return Basins.of(name, spec, legs, checked, ranges)
+
+
+def stored_companions(rows: MapRows, spec: BasinSpec) -> list[Companion]:
+    """Return the companions in a map file; those of former versions have no points."""
+    return unpacked(rows.array(COMPANIONS), rows.array(COMPANION_POINTS), len(spec.series))
+
+
+def stored_ranges(rows: MapRows, cases: Iterable[int]) -> dict[int, Array]:
+    """Return the ranges of motions in a map file by case; those of former versions are not known."""
+    ranges = ((case, rows.array(RANGE.format(case))) for case in cases)
+    return {case: values.reshape(-1) for case, values in ranges if values is not None}
 
 
 def grid_units(mechanism: Mechanism, x: str, y: str) -> tuple[str, str]:

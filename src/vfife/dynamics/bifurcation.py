@@ -10,7 +10,7 @@ leads to.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Unpack
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..errors import Fault, ModelError
+from ..measures.attractors import tolerance_of
 from ..measures.chaos import Verdict, exponent, verdict
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
@@ -51,6 +52,7 @@ from .step_check import (
     chain_companions,
     orbits,
     packed,
+    packed_points,
     sampled,
     start_companions,
     unpacked,
@@ -202,6 +204,11 @@ class Bifurcation(CheckedMap):
         """Return the kind of motion at a companion's value; empty if it is not computed."""
         return self.kinds[case.way][case.number]
 
+    def motion_of(self, case: Companion) -> tuple[Array, Array]:
+        """Return the points at a companion's value, and the difference below which they are equal."""
+        points = self._series(case.way, case.number)
+        return points, tolerance_of(points, motion_ranges(self.spec, points))
+
     def name_of(self, case: Companion) -> str:
         """Return a companion's value as text."""
         factor, unit = self.shown
@@ -241,7 +248,13 @@ def load_rows(rows: MapRows, spec: SweepSpec) -> list[Companion]:
     In a chain, rows after a missing one are not used, because the state of the missing one is not known.
     """
     rows.done |= rows.legs(gaps=bool(spec.starts))
-    return [companion for number in rows.done for companion in unpacked(rows.array(f"beside {number}"))]
+    return [
+        companion
+        for number in rows.done
+        for companion in unpacked(
+            rows.array(f"beside {number}"), rows.array(f"beside points {number}"), len(spec.series)
+        )
+    ]
 
 
 def chain_values(
@@ -325,6 +338,8 @@ def bifurcation(
             rows.write("arrays", UNIT, np.array([*map(float, unit.encode())]))
         for leg in (from_starts if sorted_starts else from_neighbours)(spec, models, rows):
             rows.write("arrays", f"beside {leg.number}", packed(leg.companions))
+            if leg.companions:
+                rows.write("arrays", f"beside points {leg.number}", packed_points(leg.companions))
             rows.write("legs", leg.number, leg.points, leg.growth, leg.state)
             rows.done[leg.number] = leg.points, leg.growth
             repeats += leg.companions
@@ -459,7 +474,7 @@ def from_starts(spec: SweepSpec, models: list[Assembly], rows: MapRows) -> Itera
     # A row's number counts through the values of each start: companions are stored by value and way.
     for companion in start_companions(spec, tuple(companions), start_of, neighbours):
         companions[companion.number].append(
-            Companion(companion.number % count, companion.number // count, companion.ratio, companion.kind)
+            replace(companion, number=companion.number % count, way=companion.number // count)
         )
     starts = [start_of(number, spec.steps) for number in range(spec.count)]
     for orbit, points in orbits(spec, neighbours, starts, done=done):

@@ -34,6 +34,11 @@ from ..solvers.turn_runner import discontinuity
 from ..store.studyfile import MapFile, locked_file, stored_cases
 
 Array = NDArray[np.float64]
+# Remedy for a model without a crank whose base or load is periodic.
+YOKE = (
+    "drive a body; for a harmonic slider or point, drive a crank that moves it as a Scotch yoke, and for a"
+    " harmonic load, a rotor that counts its periods (docs: Periodic or chaotic)"
+)
 Range = tuple[str, float, float]  # path of a number, its lowest and its highest value (SI)
 
 
@@ -196,7 +201,7 @@ class TurnRun(MapRun):
 
         Raises ModelError if the mechanism has no turns or all turns are dropped.
         """
-        faults = crank_faults(models[0], "there is no turn to look at once")
+        faults = crank_faults(models[0], "there is no turn to look at once", YOKE)
         if not 0 <= self.dropped < self.turns:
             limit = f"0 to {self.turns - 1}"
             faults.append(Fault("dropped", "no turn remains", str(self.dropped), limit, "drop fewer turns"))

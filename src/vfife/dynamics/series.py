@@ -109,9 +109,15 @@ def motion_ranges(spec: Any, points: Array) -> Array:
     A peak is the largest value of a turn, so it is the size of the motion itself, as for the turns of a run.
     The model may have no contact yet in its first turns.
     """
-    ranges, points = _ranges(spec.model, spec.series, spec.steps), points.reshape(len(points), -1)
-    peaks = np.abs(points).max(axis=0, initial=0.0)
-    is_peak = np.array([name.endswith(PEAK) for name in spec.series])
+    return with_peaks(_ranges(spec.model, spec.series, spec.steps), spec.series, points)
+
+
+def with_peaks(ranges: Array, series: Sequence[str], points: Array) -> Array:
+    """Return the ranges of ``series``, shape (series,), or, of a peak, the largest of its ``points``, shape
+    (turns, series), if that is larger.
+    """
+    peaks = np.abs(points.reshape(len(points), -1)).max(axis=0, initial=0.0)
+    is_peak = np.array([name.endswith(PEAK) for name in series])
     return np.where(is_peak, np.maximum(ranges, peaks), ranges)
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
@@ -18,11 +18,12 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..errors import VfifeError
+from ..measures.attractors import same_motion
 from ..measures.chaos import CHAOTIC, DIVERGED, QUASI, UNDECIDED, UNSETTLED, exponent, verdict
 from ..simulation.turn_steps import with_steps
 from ..solvers.record import recorded_rows
 from ..solvers.tangents import Neighbours, steps_of_turn
-from ..solvers.turn_runner import Orbit, Orbits, Start, TurnRunner, restepped
+from ..solvers.turn_runner import PATH_OUTPUTS, Orbit, Orbits, Start, TurnRunner, restepped
 from .maps import Map
 from .series import motion_ranges, series_values
 
@@ -44,13 +45,15 @@ OTHER_KINDS = (CHAOTIC, QUASI, UNSETTLED, DIVERGED, UNDECIDED)
 @dataclass(frozen=True)
 class Companion:
     """A case that was repeated with ``ratio`` times the steps: its ``number``, its ``way`` (the index of the
-    chain or start by which its value was reached), and the ``kind`` of its motion.
+    chain or start by which its value was reached), the ``kind`` of its motion, and its ``points``, shape
+    (turns, series); files of former versions have none.
     """
 
     number: int
     way: int
     ratio: float
     kind: str
+    points: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False, compare=False)
 
 
 @dataclass(frozen=True, repr=False)
@@ -66,6 +69,20 @@ class CheckedMap(Map):
         """Return the kind of motion that the map has for a companion's case; empty if it is not computed."""
         raise NotImplementedError
 
+    def motion_of(self, case: Companion) -> tuple[Array, Array] | None:
+        """Return the points of the motion that the map has for a companion's case, shape (turns, series), and
+        the difference below which they are equal, shape (series,); None if only kinds can be compared.
+        """
+        return None
+
+    def agrees(self, case: Companion) -> bool:
+        """Return whether a companion reaches the motion that the map has for its case."""
+        kind, motion = self.kind_of(case), self.motion_of(case) if len(case.points) else None
+        if motion is None:
+            return case.kind == kind
+        points, tolerance = motion
+        return same_motion((kind, points), (case.kind, case.points), tolerance)
+
     def name_of(self, case: Companion) -> str:
         """Return a companion's case as text, for example a parameter and its value."""
         raise NotImplementedError
@@ -79,7 +96,7 @@ class CheckedMap(Map):
     def agreement(self) -> str:
         """Number of companions that agree with the map, as text."""
         comparisons = self.comparisons
-        count = sum(companion.kind == kind for companion, kind in comparisons)
+        count = sum(self.agrees(companion) for companion, _ in comparisons)
         return f"{count} of {len(comparisons)} companions alike" if comparisons else "no companions"
 
     @property
@@ -90,7 +107,7 @@ class CheckedMap(Map):
         comparisons = self.comparisons
         if not comparisons:
             return ""
-        differing = [(companion, kind) for companion, kind in comparisons if companion.kind != kind]
+        differing = [(companion, kind) for companion, kind in comparisons if not self.agrees(companion)]
         steps = " and ".join(
             f"{1.0 / ratio:g}" for ratio in sorted(Counter(companion.ratio for companion, _ in comparisons))
         )
@@ -98,7 +115,8 @@ class CheckedMap(Map):
         agreeing = f"{len(comparisons) - len(differing)} of {len(comparisons)} companions agree"
         text = f"{cases} case{'s' * (cases != 1)} repeated with {steps} times the step: {agreeing}"
         differences = [
-            f"{self.name_of(case)} is {kind}, with {1.0 / case.ratio:g} times the step {case.kind}"
+            f"{self.name_of(case)} is {kind}, with {1.0 / case.ratio:g} times the step"
+            f" {f'another motion of {kind}' if case.kind == kind else case.kind}"
             for case, kind in differing[: self.most_differences]
         ]
         if left_out := len(differing) - len(differences):
@@ -129,14 +147,29 @@ def packed(companions: Iterable[Companion]) -> Array:
     ).reshape(-1, 4)
 
 
-def unpacked(rows: Array | None) -> list[Companion]:
-    """Return the companions in the rows of a map file; the inverse of :func:`packed`."""
+def packed_points(companions: Sequence[Companion]) -> Array:
+    """Return the points of companions as an array of a map file, shape (companions, turns x series)."""
+    return (
+        np.stack([companion.points.ravel() for companion in companions]) if companions else np.zeros((0, 0))
+    )
+
+
+def unpacked(rows: Array | None, points: Array | None = None, series: int = 1) -> list[Companion]:
+    """Return the companions in the rows of a map file, with their ``points`` of some ``series``; the inverse
+    of :func:`packed` and :func:`packed_points`.
+    """
 
     def kind(code: float) -> str:
         return f"period {code:.0f}" if code > 0.0 else OTHER_KINDS[int(-1.0 - code)]
 
     table = [] if rows is None else rows.reshape(-1, 4).tolist()
-    return [Companion(int(number), int(way), ratio, kind(code)) for number, way, ratio, code in table]
+    orbits = np.zeros((len(table), 0, series))
+    if points is not None and table:
+        orbits = points.reshape(len(table), -1, series)
+    return [
+        Companion(int(number), int(way), ratio, kind(code), orbit)
+        for (number, way, ratio, code), orbit in zip(table, orbits, strict=True)
+    ]
 
 
 def orbits(
@@ -165,6 +198,16 @@ def orbits(
         )
 
 
+def path_ranges(spec: TurnSpec, orbit: Orbit) -> Array:
+    """Return the range of each series within a turn of a motion, shape (series,)."""
+    model = orbit.assembly
+    if model is None:
+        return np.zeros(len(spec.series))
+    interval = max(1, steps_of_turn(model) // PATH_OUTPUTS)
+    path = series_values(model, recorded_rows(model), orbit.path, spec.series, interval)
+    return np.asarray(np.ptp(path, axis=0))
+
+
 def chain_companions(
     spec: TurnSpec, numbers: Sequence[int], models: Sequence[Assembly], neighbours: Sequence[Neighbours],
     state: Array, done: int,
@@ -189,7 +232,7 @@ def chain_companions(
         for k, variant in enumerate(variants):
             points = series_values(variant, runner.row_numbers, rows[:, :, k], spec.series, runner.turn)
             kind = verdict(points, exponent(growth[:, k]), ranges=partial(motion_ranges, spec, points)).kind
-            companions.append(Companion(numbers[k], k, ratio, kind))
+            companions.append(Companion(numbers[k], k, ratio, kind, points))
     return companions
 
 
@@ -230,4 +273,4 @@ def start_companions(
             if orbit.assembly is not None:
                 growth = exponent(orbit.growth) if len(orbit.growth) else None
                 kind = verdict(points, growth, ranges=partial(motion_ranges, spec, points)).kind
-                yield Companion(orbit.number, 0, ratio, kind)
+                yield Companion(orbit.number, 0, ratio, kind, points)

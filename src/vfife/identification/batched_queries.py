@@ -188,14 +188,22 @@ class Outcome:
         return max(point.unsettled for point in self.points)
 
 
+# Share of the runs of a fit before which their pace does not yet decide the time left.
+EARLY_RUNS = 0.1
+
+
 @dataclass
 class Evaluations:
-    """Compute points, store them in a file, and keep the best one and the cost of all others."""
+    """Compute points, store them in a file, and keep the best one and the cost of all others.
+
+    ``bound``: time (s) of all runs that may be needed, by the forecast.
+    """
 
     records: Sequence[FitRecord]
     parameters: Sequence[FitParameter]
     file: FitFile | None = None
     progress: Callable[[Progress], None] | None = None
+    bound: float = math.inf
     points: list[tuple[float, tuple[float, ...]]] = field(default_factory=list)
     best: tuple[float, Array, Outcome] | None = None
     reasons: list[str] = field(default_factory=list)
@@ -356,12 +364,21 @@ class Evaluations:
         if self.progress is not None:
             best = f", residual {100.0 * self.share:.3g} %" if self.best is not None else ""
             done, seconds = min(self.runs, self.expected), time.monotonic() - self.began
-            left = (
-                f", at most about {span(seconds * (self.expected - done) / done)} left"
-                if seconds > 1.0 and 0 < done < self.expected
-                else ""
-            )
+            left = self.time_left(done, seconds) if seconds > 1.0 and 0 < done < self.expected else ""
             self.progress(Progress(done, self.expected, seconds, f"{self.runs} runs{best}{left}"))
+
+    def time_left(self, done: int, seconds: float) -> str:
+        """Return the time that the fit takes at most after ``done`` runs in ``seconds``, as text.
+
+        The first runs compile and are slower. Until a tenth of the runs is done, or the bound of the forecast
+        has passed, the time left is no longer than that bound; after that, the text states a slower pace.
+        """
+        left = seconds * (self.expected - done) / done
+        if left <= self.bound - seconds:
+            return f", at most about {span(left)} left"
+        if done < EARLY_RUNS * self.expected and seconds < self.bound:
+            return f", at most about {span(self.bound - seconds)} left"
+        return f", slower than forecast: at most about {span(left)} left"
 
     @property
     def residuals(self) -> int:

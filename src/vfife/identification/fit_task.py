@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -130,8 +131,9 @@ def fit(
     arguments.check()
     task = plan_fit(mechanism, data, parameters, **options)
     with job_of("fit", file, confirm, progress) as job:
-        job.begin(task.forecast(file))
-        result = task.run(file, job)
+        forecast = task.forecast(file)
+        job.begin(forecast)
+        result = task.run(file, job, bound=forecast.bound)
         if result.status == Status.INTERRUPTED.value:
             job.interrupted()
         return result
@@ -251,11 +253,12 @@ class FitTask:
         work = f"about {counted(left, 'run')} of {assembly.choice.steps:,} steps" + (
             f" beside {stored:,} that are there" if stored else ""
         )
+        bound = seconds / max(left, 1) * max(self.most_runs - stored, 0)
         return Forecast(
             "run", left, assembly.choice.steps, seconds, memory, COMPRESSED * 8.0 * values * left, stored,
-            cores(), lanes, remedy=remedy, work=work,
+            cores(), lanes, remedy=remedy, work=work, bound=bound if left else math.inf,
             note=f"; {self.least_runs:,} to {self.most_runs:,} runs by how the searches go, at most"
-            f" {span(seconds / max(left, 1) * max(self.most_runs - stored, 0))}",
+            f" {span(bound)}",
         )  # fmt: skip
 
     def stored_runs(self, file: Path) -> int:
@@ -288,26 +291,29 @@ class FitTask:
         file: str | Path | None = None,
         progress: Callable[[Progress], None] | None = None,
         replace: bool = False,
+        bound: float = math.inf,
     ) -> Fit:
         """Run the fit, or what is missing in its file, and return the result; ``replace`` overwrites a former
-        file.
+        file; ``bound``: time (s) that it takes at most by its forecast.
         """
         with locked_file(FitFile, file, self.question, "this fit", replace) as store:
             if store is None:
-                return self.result(None, progress)
+                return self.result(None, progress, bound)
             former = store.fit(self.search)
             if former is not None and former.status == "complete":
                 return former
-            result = self.result(store, progress)
+            result = self.result(store, progress, bound)
             store.conclude(result, self.search)
             return result
 
-    def result(self, file: FitFile | None, progress: Callable[[Progress], None] | None) -> Fit:
+    def result(
+        self, file: FitFile | None, progress: Callable[[Progress], None] | None, bound: float = math.inf
+    ) -> Fit:
         """Search, using the points in a file, and return the result; Ctrl-C ends the search with the best
         point so far.
         """
         settings = self.settings
-        evaluations = Evaluations(self.evaluated, self.parameters, file, progress)
+        evaluations = Evaluations(self.evaluated, self.parameters, file, progress, bound)
         search, slopes = Search(), None
         try:
             Descents(evaluations, search, settings.derivatives).run(

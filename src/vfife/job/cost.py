@@ -91,7 +91,8 @@ class Forecast:
     ``seconds`` on this machine without other load, with ``threads`` of ``lanes``; bytes of ``memory`` and
     ``disk``. ``work`` describes the work instead of count and steps; ``remedy`` tells how to reduce it,
     ``note`` what may increase it. ``disk_growth``: the largest size on disk over ``disk``. ``ends``: the time
-    (s) in the cheapest and in the dearest case, where they differ.
+    (s) in the cheapest and in the dearest case, where they differ. ``bound``: time (s) of a search that needs
+    all runs that it may need.
     """
 
     noun: str
@@ -111,6 +112,7 @@ class Forecast:
     first_look: float = math.inf  # s that a first look at the same takes
     disk_growth: float = 1.0
     ends: tuple[float, float] | None = None
+    bound: float = math.inf
 
     @property
     def longest(self) -> float:

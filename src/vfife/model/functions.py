@@ -49,11 +49,13 @@ def turn_of(mechanism: Mechanism) -> float | None:
     return 2.0 * math.pi / speed if speed > 0.0 else None
 
 
-def crank_faults(mechanism: Mechanism, consequence: str) -> list[Fault]:
-    """Return a fault, with its ``consequence``, for a mechanism without a crank of constant speed."""
+def crank_faults(mechanism: Mechanism, consequence: str, remedy: str = "drive a body") -> list[Fault]:
+    """Return a fault, with its ``consequence`` and ``remedy``, for a mechanism without a crank of constant
+    speed.
+    """
     if turn_of(mechanism) is not None:
         return []
-    return [Fault("driver", f"{NO_CRANK}, so {consequence}", remedy="drive a body")]
+    return [Fault("driver", f"{NO_CRANK}, so {consequence}", remedy=remedy)]
 
 
 def bodies_at_rest(mechanism: Mechanism) -> dict[str, Body]:

@@ -109,7 +109,7 @@ def _exponents(last: Axes, result: Bifurcation, x: Any) -> None:
     rings = [
         (x[companion.number], np.nan_to_num(exponents[companion.way, companion.number, 0]))
         for companion in result.companions
-        if companion.kind != result.kinds[companion.way][companion.number]
+        if result.kind_of(companion) and not result.agrees(companion)
     ]
     if rings:
         look: Any = {"s": 70.0, "facecolors": "none", "edgecolors": VERMILION, "lw": 1.2, "zorder": 4.0}
@@ -179,7 +179,7 @@ def basins(result: Basins) -> Figure:
     differ = [
         companion.number
         for companion in result.companions
-        if companion.number in result.verdicts and companion.kind != result.verdicts[companion.number].kind
+        if companion.number in result.verdicts and not result.agrees(companion)
     ]
     if differ:
         rows, columns = np.divmod(differ, len(x))

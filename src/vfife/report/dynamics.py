@@ -123,15 +123,17 @@ def basins(result: Basins) -> Document:
         else ""
     )
     criterion = (
-        f"of one period, for their points move with {' and '.join(spec.varied)}"
+        f"periodic motions are one of one period, for their points move with {' and '.join(spec.varied)}"
         if spec.varied
-        else "whose points are within 1 % of that of all"
+        else "a motion belongs to a periodic one, settled or not, if all their points agree within"
+        f" {100.0 * result.share:.2g} % of the range of the motion"
+        f" ({'error of the step, 0.1 to 1 %' if result.companions else 'error of the step not known'})"
     )
     texts = [
         *_undecided_starts(result),
+        *_transients(result),
         f"{_protocol(result, f'{spec.turns} turns of each start')}{impossible}",
-        "A motion is periodic if points repeat within 0.1 % of the range; periodic motions are one"
-        f" {criterion}.",
+        f"A motion is periodic if points repeat within 0.1 % of the range; {criterion}.",
         f"Companions: {result.step_report or 'none.'}",
     ]
     return Document(
@@ -154,6 +156,19 @@ def _undecided_starts(result: Basins) -> list[str]:
         f" {TEST_POINTS} or more (turns ="
         f" {3 * TEST_POINTS}; two thirds are discarded by default)."
     ]
+
+
+def _transients(result: Basins) -> list[str]:
+    """Return which periodic motions may be transients, and the remedy."""
+    numbers = ", ".join(str(k + 1) for k in result.transients)
+    return (
+        [
+            f"Motion {numbers} of this table may be a transient near an unstable motion, because a small"
+            " difference decays in none of its starts: take more turns."
+        ]
+        if numbers
+        else []
+    )
 
 
 def section(result: PoincareSection) -> Document:

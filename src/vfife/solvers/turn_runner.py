@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -28,6 +28,7 @@ Array = NDArray[np.float64]
 ValueCheck: TypeAlias = Callable[[int, Array, int, Callable[[], None]], Any]
 VALUES_AT_ONCE = 2  # values of a sweep with differences side by side: twice the lanes take hardly longer
 PIN_TOLERANCE = 1e-9  # relative difference of places of pins that is rounding
+PATH_OUTPUTS = 36  # outputs of the turn whose path is recorded
 LANES = 4  # starts side by side, on every machine, so that differences have the same bits
 
 
@@ -90,6 +91,17 @@ class TurnRunner:
     def skip(self, turns: int) -> None:
         """Make ``turns`` turns without a record."""
         self.steps(turns * self.turn)
+
+    def path(self, lead: int) -> Array:
+        """Take ``lead`` steps and make a turn; return the rows at :data:`PATH_OUTPUTS` outputs of it, shape
+        (outputs, rows, lanes).
+        """
+        interval = max(1, self.turn // PATH_OUTPUTS)
+        outputs = self.turn // interval
+        self.steps(lead)
+        rows = self.record(interval, outputs)
+        self.steps(self.turn - outputs * interval)
+        return rows
 
     def rows(self, turns: int, outputs: int = 1) -> Array:
         """Make ``turns`` turns; return the rows at ``outputs`` outputs in each, shape (turns * outputs, rows,
@@ -339,7 +351,8 @@ class Start:
 class Orbit:
     """The motion of a case: ``rows`` recorded once a turn, shape (turns, rows), and the logarithm of the
     ``growth`` of a small difference in each turn, shape (turns,), empty if none was followed; or the
-    ``reason`` why there is no motion.
+    ``reason`` why there is no motion. ``path``: rows at the outputs of a turn before the recorded ones, shape
+    (outputs, rows).
     """
 
     number: int
@@ -347,6 +360,7 @@ class Orbit:
     rows: Array
     growth: Array
     reason: str = ""
+    path: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
 
 
 class Orbits:
@@ -403,20 +417,23 @@ class Orbits:
                 del assemblies[number]
             cases = list(alike.values())
             runner = TurnRunner(cases + cases[-1:] * (LANES - len(cases)), starts[0].ahead, look=look)
-            rows, growth = self.record_turns(runner)
+            path, rows, growth = self.record_turns(runner)
             orbits += [
-                Orbit(number, case, rows[:, :, k], growth[:, k])
+                Orbit(number, case, rows[:, :, k], growth[:, k], path=path[:, :, k])
                 for k, (number, case) in enumerate(alike.items())
             ]
         return orbits
 
-    def record_turns(self, runner: TurnRunner) -> tuple[Array, Array]:
-        """Return rows and growth of the recorded turns."""
-        runner.begin()
+    def record_turns(self, runner: TurnRunner) -> tuple[Array, Array, Array]:
+        """Return the rows at the outputs of the last turn before a difference or the record begins, and the
+        rows and growth of the recorded turns.
+        """
+        lead = self.dropped if self.near is None else max(0, self.dropped - ALIGNED)
+        runner.runner.advance(1, 1)
+        path = runner.path(runner.begins - 1 + (lead - 1) * runner.turn)
         if self.near is not None:
-            return runner.growing(self.turns, self.dropped, [self.near] * LANES)
-        runner.skip(self.dropped)
-        return runner.rows(self.turns - self.dropped), np.zeros((0, LANES))
+            return path, *runner.growing(self.turns - lead, self.dropped - lead, [self.near] * LANES)
+        return path, runner.rows(self.turns - self.dropped), np.zeros((0, LANES))
 
 
 # ------------------------------------------------------------------------------------------------------- wear

@@ -45,8 +45,9 @@ def fit(options: FitOptions) -> None:
             place, task = place_of(options), task_of(options)
             job = CommandJob("fit", place, options)
             with job.at_work(str(place)):
-                job.begin(task.forecast(place, options.force))
-                result = task.run(place, job, replace=options.force)
+                forecast = task.forecast(place, options.force)
+                job.begin(forecast)
+                result = task.run(place, job, replace=options.force, bound=forecast.bound)
             save_model(options.fitted, task.text, result)
     options.write_files(result)
     options.answer(identification(result), *([place] if place is not None else []))
