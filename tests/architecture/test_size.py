@@ -14,8 +14,8 @@ from architecture.size import Size, size_of, sizes, tokens
 
 LIMITS = Size(
     files=506,
-    code=70_500,
-    tokens=706_000,
+    code=71_000,
+    tokens=708_000,
     import_lines=6_900,
     inner_imports=101,
     many_arguments=10,

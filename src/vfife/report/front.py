@@ -57,7 +57,7 @@ TERMS = {
 # Options of the command line in sentences of the answer, and what stands in their place in a report.
 OPTIONS: dict[str, str | Callable[[re.Match[str]], str]] = {
     r"vfife compare MODEL --contact (\S+) --companions 3, with the other options of this run": (
-        lambda found: f"compare the contact laws {and_words(found[1].split(','))}"
+        lambda match: f"compare the contact laws {and_words(match[1].split(','))}"
     ),
     r"run it again with (?:--set \S+\.contact\.(\w+=[\w-]+(?:\.\d+)?) ?)+": (
         r"compare contact.\1 in these joints"
