@@ -13,7 +13,7 @@ SLOWER = Parameter("crank speed", "10π rad/s", "stated", "section 5")
 
 def shown(*items: Item) -> list[str]:
     """The sections of a page, without its head."""
-    return page(items, lambda chart: "").split("<section")[1:]
+    return page(items, lambda chart: "").replace("\u00a0", " ").split("<section")[1:]
 
 
 def test_an_item_lists_only_what_differs_from_an_earlier_one() -> None:
