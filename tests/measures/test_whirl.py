@@ -1,4 +1,4 @@
-"""Backward whirl of a journal: the closed form of rolling, its mirror image, the same whatever the outputs, and
+"""Backward whirl of a journal: the closed form of rolling, its mirror image, the same for all outputs, and
 none without friction.
 """
 
