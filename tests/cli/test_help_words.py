@@ -53,6 +53,22 @@ def test_all_kinds_of_topics_are_found() -> None:
     assert ("page", "wear.html") in {(one.kind, one.name) for one in topics.search("life")}
 
 
+@pytest.mark.parametrize(
+    ("text", "topic"),
+    [
+        ("whirl", "designer.html"), ("dry friction whirl", "designer.html"), ("whirl", "run"),
+        ("blow", "first-run.html"), ("blows", "trust.html"), ("blow", "run"),
+        ("mesh", "statics.html"), ("mesh", "trust.html"), ("mesh", "body.NAME.elements"),
+    ],
+)  # fmt: skip
+def test_phenomena_that_cautions_and_pages_name_are_found(text: str, topic: str) -> None:
+    """The page speaks of it, too."""
+    assert topic in [one.name for one in topics.search(text)]
+    if topic.endswith(".html"):
+        page = (DOCS / topic).with_suffix(".md").read_text(encoding="utf-8").lower()
+        assert text.removesuffix("s").split()[-1] in page
+
+
 @pytest.mark.parametrize("word", ["gauge", "absolute"])
 def test_kinds_of_pressure_find_the_keys_of_a_load(word: str) -> None:
     names = {one.name for one in topics.search(word) if one.kind == "key of a model"}

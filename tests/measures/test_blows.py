@@ -10,8 +10,9 @@ import numpy as np
 
 import vfife
 from vfife import gallery
-from vfife.measures.blows import blows
+from vfife.measures.blows import blows, impact_rows
 from vfife.report.overview import overview
+from vfife.report.run_tables import blow_texts
 from vfife.report.summary import run_summary
 from vfife.report.terminal import as_text
 from vfife.results.run_data import RunData
@@ -79,3 +80,38 @@ def test_a_rise_at_an_impact_is_no_blow() -> None:
     row = int(np.flatnonzero(result.last_turn)[np.argmax(force)])
     assert began[row] and not began[blow.row]
     assert blow.excess < force.max() - ideal.measures[f"{joint}.force.max"]
+
+
+def test_the_peak_of_a_counted_knock_is_no_blow_where_it_comes_outputs_after_its_onset() -> None:
+    """The hardest knock of the loose pin begins between 6.5 and 7 degrees, flies free before and after it,
+    and its force is largest between 7 and 7.5 degrees.
+    """
+    result = vfife.simulate(gallery.slider_crank_loose_pin(), companions=0)
+    onsets, peak = (result.record.block(f"contact_{name}")[:, 0] for name in ("onsets", "force_squared_max"))
+    row, away = int(peak.argmax()), result.record.block("contact_penetration")[:, 0]
+    assert onsets[row] == onsets[row - 1] == onsets[row - 2] + 1.0 and away[row - 2] < 0.0 and away[row] < 0.0
+    summary = run_summary(result)
+    assert summary["blows"] and blow_texts(summary) == {}
+
+
+def rows_in_impact(force: list[float], began: list[int], touching: list[int] | None = None) -> list[int]:
+    flags = [np.isin(np.arange(len(force)), rows) for rows in (began, touching or [])]
+    return np.flatnonzero(impact_rows(np.array(force), *flags)).tolist()
+
+
+def test_an_impact_lasts_from_its_onset_until_the_force_falls_and_rises_again() -> None:
+    steep = [0.0, 240.0, 910.0, 1677.0, 2438.0, 2438.0, 1929.0, 818.0, 30.0, 0.0]
+    assert rows_in_impact([*steep, 0.0, 0.0], [1]) == list(range(1, 12))  # and in the flight after it
+    assert rows_in_impact([*steep, 50.0, 800.0], [1]) == list(range(1, 10))
+    landing = [0.0, 450.0, 440.0, 2470.0, 3300.0, 900.0]  # lands softly, and is thrown while it touches
+    assert rows_in_impact(landing, [1]) == [1, 2]
+    assert rows_in_impact([0.0, 563.0, 541.0, 576.0, 924.0, 1159.0], [1]) == [1, 2, 3, 4]
+    assert rows_in_impact([100.0, 900.0, 100.0], []) == []
+    assert rows_in_impact([500.0, 90.0, 500.0, 400.0, 90.0], [2]) == [2, 3, 4]
+
+
+def test_the_force_of_the_contact_before_does_not_end_an_impact() -> None:
+    """A contact of 900 N ends, and another begins, between the same two outputs."""
+    force = [900.0, 850.0, 100.0, 300.0, 700.0, 200.0]
+    assert rows_in_impact(force, [1], [0]) == [1, 2, 3, 4, 5]
+    assert rows_in_impact(force, [1]) == [1, 2]

@@ -1,4 +1,6 @@
-"""Backward whirl of a journal: the closed form of rolling, its mirror image, and none without friction."""
+"""Backward whirl of a journal: the closed form of rolling, its mirror image, the same for all outputs, and
+none without friction.
+"""
 
 import numpy as np
 import pytest
@@ -6,8 +8,8 @@ import pytest
 from support import go
 from vfife import Mechanism
 from vfife.laws import Coulomb, FrictionLaw, Frictionless, LankaraniNikravesh
-from vfife.measures.contacts import backward_whirls
 from vfife.measures.forces import eccentricity
+from vfife.measures.whirl import backward_whirls
 from vfife.report.cautions import whirl_cautions
 from vfife.solvers.record import Record
 
@@ -53,6 +55,16 @@ def test_the_rate_grows_with_the_spin() -> None:
     )
 
 
-def test_no_whirl_without_friction_nor_where_outputs_are_too_far_apart() -> None:
+def test_the_whirl_is_named_at_any_outputs() -> None:
+    """With 60 outputs the journal goes round its bearing once and more from one to the next."""
+    fine, coarse = spun(friction()), spun(friction(), outputs=60)
+    turns = backward_whirls(fine)["J"].rate * 0.3 / 60 / (2.0 * np.pi)
+    assert abs(turns) > 1.0
+    assert backward_whirls(coarse)["J"].rate == pytest.approx(backward_whirls(fine)["J"].rate, rel=0.005)
+    (sentence,) = whirl_cautions(coarse)
+    assert "Joint J: " in sentence and " 19 times as fast" in sentence
+
+
+def test_no_whirl_without_friction_nor_from_few_outputs() -> None:
     assert backward_whirls(spun(Frictionless())) == {}
-    assert list(whirl_cautions(spun(friction(), outputs=60))) == []
+    assert list(whirl_cautions(spun(friction(), outputs=30))) == []

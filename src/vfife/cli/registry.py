@@ -152,7 +152,7 @@ PURPOSES: dict[str, dict[str, Entry]] = {
         "run": Entry(
             "runs.NewRunOptions",
             "a simulation",
-            "simulate solve force torque noise knock loss clearance backlash play",
+            "simulate solve force torque noise knock blow whirl loss clearance backlash play",
         ),
         "resume": Entry("runs.ResumeOptions", "an interrupted run", "continue restart killed"),
         "compare": Entry("runs.CompareOptions", "several laws", "overlay difference"),

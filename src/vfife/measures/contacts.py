@@ -8,7 +8,7 @@ import dataclasses
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from ..files import DataTable
 from ..laws import Pair
 from ..model.surfaces import surfaces
-from ..numerics.elementwise import atan2, hypot, sincos
+from ..numerics.elementwise import atan2, sincos
 from ..solvers.record import Record
-from .forces import KINDS, eccentricity, normals, places
+from .forces import normals, places
 from .motion import crank_rotation, times, velocities, within_turn
 from .normal_forces import largest_normal_forces
 from .stops import output_interval, stop_contacts, stop_sentence
@@ -95,23 +95,29 @@ def sliding_speed(record: Record, reaches: tuple[Array, Array] | None = None) ->
     """
     if not record.assembly.contacts:
         return np.zeros((len(record.steps), 0))
-    topology, moving = record.assembly.topology, velocities(record)
-    # Velocity of the journal's material minus that of the bearing's, at the place of contact on each surface:
-    # velocity of the particle plus rotation times the arm from its centre to that place.
     n = normals(record)
     t = np.stack([-n[..., 1], n[..., 0]], axis=2)
-    total = np.zeros_like(t)
-    reaches = places(record) if reaches is None else reaches
-    for sign, side, reach in zip((-1.0, 1.0), SIDES, reaches, strict=True):
+    total = relative_velocity(record, places(record) if reaches is None else reaches)
+    contacts = record.assembly.mechanism.contacts
+    film = np.array([contacts[name].contact.film for name in record.assembly.contact_joints])
+    return np.where(film | (record.block("contact_penetration") > 0.0), (total * t).sum(axis=2), 0.0)
+
+
+def relative_velocity(record: Record, arms: tuple[Array, Array] | None = None) -> Array:
+    """Return the velocity (m/s) of the journal's material minus that of the bearing's, global axes, shape
+    (outputs, contacts, 2), at their pins, or at ``arms`` from them (m, global axes, of that shape each).
+    """
+    topology, moving = record.assembly.topology, velocities(record)
+    total = np.zeros((len(record.steps), len(record.assembly.contacts), 2))
+    # Of a body: velocity of its particle plus rotation times the arm from its centre to the place.
+    for sign, side, arm in zip((-1.0, 1.0), SIDES, (0.0 * total,) * 2 if arms is None else arms, strict=True):
         body = list(getattr(topology, f"contact_{side}"))
         angle = record.block("particle_theta")[:, body]
         x, y = (record.parameter(f"contact_{side}_{axis}") for axis in "xy")
         s, c = sincos(angle)
-        rx, ry, w = c * x - s * y + reach[..., 0], s * x + c * y + reach[..., 1], moving["w"][:, body]
+        rx, ry, w = c * x - s * y + arm[..., 0], s * x + c * y + arm[..., 1], moving["w"][:, body]
         total += sign * np.stack([moving["u"][:, body] - w * ry, moving["v"][:, body] + w * rx], axis=2)
-    contacts = record.assembly.mechanism.contacts
-    film = np.array([contacts[name].contact.film for name in record.assembly.contact_joints])
-    return np.where(film | (record.block("contact_penetration") > 0.0), (total * t).sum(axis=2), 0.0)
+    return total
 
 
 def contact_time(record: Record) -> Array:
@@ -431,60 +437,3 @@ def impacts(record: Record) -> Impacts:
             )
     ordered = tuple(sorted(entries, key=lambda entry: (entry.time, entry.joint)))
     return Impacts(ordered, earlier, stops, interval)
-
-
-# ---------------------------------------------------------------------------------------- whirl
-
-# A load that turns with the crank moves the contact about as fast as the journal turns; rolling is faster.
-FAST = 5.0
-ONE_WAY = 0.5  # mean rotation over the mean of its size: a journal that swings to and fro has less
-CONTACT_SHARE = 0.9  # of the outputs at which the journal must be near the bearing's surface
-SURFACE = 0.95  # of the clearance: an eccentricity near the surface
-# Larger angles from one output to the next may be whole turns more or less.
-RESOLVED, RESOLVED_SHARE = 0.5 * np.pi, 0.95
-
-
-class Whirl(NamedTuple):
-    """Mean rate (rad/s) at which a journal goes round its bearing, and at which it turns in it."""
-
-    rate: float
-    spin: float
-
-
-def backward_whirls(record: Record) -> dict[str, Whirl]:
-    """Return the whirl of each joint whose journal went round backward over the second half of the run.
-
-    Joints are left out if their journals leave the surface, or move too far from one output to the next to
-    follow them.
-
-    Friction pushes a journal that turns and slides in its bearing against its rotation. If that push
-    exceeds what damps the motion around the bearing, the journal speeds up until it rolls. With rotation W
-    and radius r of the journal its centre then moves at W r, and goes round a clearance c at W r/c, many
-    times as fast as it turns, as far as the stiffness of the joints allows. Source: H. F. Black,
-    Interaction of a whirling rotor with a vibrating stator across a clearance annulus, J. Mech. Eng. Sci.
-    10 (1968).
-    """
-    assembly, half = record.assembly, len(record.steps) // 2
-    time = float(record.steps[-1] - record.steps[half]) * assembly.choice.step if half else 0.0
-    if not assembly.contacts or not time > 0.0:
-        return {}
-    part = dataclasses.replace(record, steps=record.steps[half:], source=record.rows[half:], companions=None)
-    topology, away, turning = assembly.topology, eccentricity(part), velocities(part)["w"]
-    result: dict[str, Whirl] = {}
-    for k, name in enumerate(assembly.contacts):
-        if topology.contact_kind[k] != KINDS.index("bearing"):
-            continue
-        joint: Any = assembly.mechanism.contacts[name]
-        x, y = away[:, k, 0], away[:, k, 1]
-        steps = np.diff(np.unwrap(atan2(y, x)))
-        bearing, journal = (
-            turning[:, side[k]] for side in (topology.contact_bearing, topology.contact_journal)
-        )
-        rate = float(np.sum(steps)) / time - float(np.mean(bearing))
-        spin, size = float(np.mean(journal - bearing)), float(np.mean(np.abs(journal - bearing)))
-        is_near = np.mean(hypot(x, y) >= SURFACE * joint.clearance) >= CONTACT_SHARE
-        followed = np.mean(np.abs(steps) < RESOLVED) >= RESOLVED_SHARE
-        backward = rate * spin < 0.0 and abs(rate) > FAST * size and abs(spin) > ONE_WAY * size
-        if is_near and followed and backward:
-            result[name] = Whirl(rate, spin)
-    return result

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..assembly.timestep import MANY_OUTPUTS
 from ..laws.materials import hardness_of
-from ..measures.contacts import CONFORMAL, backward_whirls, line_pressure
+from ..measures.contacts import CONFORMAL, line_pressure
 from ..measures.energy import own_floor
 from ..measures.landings import lasting_landings
 from ..measures.normal_forces import largest_normal_forces
@@ -17,6 +17,7 @@ from ..measures.rounding import rounding_noise
 from ..measures.statics import equilibria
 from ..measures.trust import OPEN
 from ..measures.turns import full_run
+from ..measures.whirl import backward_whirls
 from ..model.surfaces import cautions, law_facts, remarks, surfaces
 from ..model.validation.plausibility import clearances_at_rest, suspect_surfaces
 from ..solvers.status import Status

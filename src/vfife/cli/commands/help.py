@@ -36,11 +36,11 @@ SUBCOMMANDS = {
 # Pages of the documentation by file: title, and words that users search for.
 PAGES = {
     "zero": ("From zero to a design answer", "tutorial example begin compressor clearance"),
-    "first-run": ("Reading a run", "summary ideal force begin"),
-    "install": ("Installation", "pip windows conda"),
+    "first-run": ("Reading a run", "summary ideal force begin blow knock"),
+    "install": ("Installation", "pip windows conda linux macos licence"),
     "designer": (
         "For the designer",
-        "pressure loss efficiency shaking stroke dead centre stress measure design",
+        "pressure loss efficiency shaking stroke dead centre stress measure design dry friction whirl",
     ),
     "study": ("Studies", "sweep parameter monte carlo speed"),
     "tolerance": ("Tolerances, fits, optimisation", "ISO 286 scatter allocation cost pareto"),
@@ -54,11 +54,14 @@ PAGES = {
     "live": ("Live pages", "browser editor"),
     "model-file": ("Model file", "toml unit body joint driver load csv table top dead centre crank angle"),
     "model-reference": ("Every key of a model file", "key unit limit default"),
-    "statics": ("Statics", "static deflection buckling frame beam"),
-    "researcher": ("For the researcher", "own law section paper"),
+    "statics": ("Statics", "static deflection buckling frame beam mesh relaxation"),
+    "researcher": ("For the researcher", "own law section paper cite citation"),
     "motion": ("Periodic or chaotic", "bifurcation poincare lyapunov chaos basin"),
-    "trust": ("How far a run can be trusted", "error accuracy uncertainty range step convergence exit code"),
-    "method": ("Method", "VFIFE central difference integration algorithm"),
+    "trust": (
+        "How far a run can be trusted",
+        "error accuracy uncertainty range step convergence exit code blow mesh damaged file",
+    ),
+    "method": ("Method", "VFIFE central difference integration algorithm explicit event"),
     "laws": ("Laws", "contact friction hertz restitution damping film"),
     "laws-gallery": ("The laws in pictures", "contact friction plot"),
     "accuracy": ("Accuracy", "error convergence"),
@@ -109,6 +112,7 @@ KEY_WORDS = {
     "gravity": "weight",
     "mass": "weight",
     "points": "cam groove",
+    "elements": "mesh",
 }
 # Endings of measures by the words that find them.
 MEASURE_WORDS = {

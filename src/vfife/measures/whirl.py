@@ -1,0 +1,72 @@
+"""Dry-friction whirl: friction drives a journal around its bearing, against its rotation."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..numerics.elementwise import hypot
+from ..solvers.record import Record
+from ..solvers.repeating import outputs_of_a_turn
+from .contacts import relative_velocity
+from .forces import KINDS, eccentricity
+from .motion import velocities
+
+# A load that turns with the crank moves the contact about as fast as the journal turns; rolling is faster.
+FAST = 5.0
+ONE_WAY = 0.5  # mean rotation over the mean of its size: a journal that swings to and fro has less
+CONTACT_SHARE = 0.9  # of the outputs at which the journal must be near the bearing's surface
+SURFACE = 0.95  # of the clearance: an eccentricity near the surface
+CERTAIN = 3.0  # standard errors of a mean over the outputs, which it must exceed
+FEWEST = 20  # outputs of a mean
+
+
+class Whirl(NamedTuple):
+    """Mean rate (rad/s) at which a journal goes round its bearing, and at which it turns in it."""
+
+    rate: float
+    spin: float
+
+
+def backward_whirls(record: Record) -> dict[str, Whirl]:
+    """Return the whirl of each joint whose journal went round backward over the second half of the run.
+
+    Joints are left out if their journals leave the surface. The rate is the mean over the outputs of the
+    relative velocity of the centres across the eccentricity. Angles of the eccentricity would need outputs
+    that are closer than a turn around the bearing.
+
+    Friction pushes a journal that turns and slides in its bearing against its rotation. If that push
+    exceeds what damps the motion around the bearing, the journal speeds up until it rolls. With rotation W
+    and radius r of the journal its centre then moves at W r, and goes round a clearance c at W r/c, many
+    times as fast as it turns, as far as the stiffness of the joints allows. Source: H. F. Black,
+    Interaction of a whirling rotor with a vibrating stator across a clearance annulus, J. Mech. Eng. Sci.
+    10 (1968).
+    """
+    assembly, half = record.assembly, len(record.steps) // 2
+    if not assembly.contacts or len(record.steps) - half < FEWEST:
+        return {}
+    part = dataclasses.replace(record, steps=record.steps[half:], source=record.rows[half:], companions=None)
+    topology, turning = assembly.topology, velocities(part)["w"]
+    away, speed = eccentricity(part), relative_velocity(part)
+    # Turns that repeat are no more samples than one of them.
+    samples = min(len(part.steps), outputs_of_a_turn(assembly) or len(part.steps))
+    result: dict[str, Whirl] = {}
+    for k, name in enumerate(assembly.contacts):
+        if topology.contact_kind[k] != KINDS.index("bearing"):
+            continue
+        joint: Any = assembly.mechanism.contacts[name]
+        (x, y), (u, v) = away[:, k].T, speed[:, k].T
+        bearing, journal = (
+            turning[:, side[k]] for side in (topology.contact_bearing, topology.contact_journal)
+        )
+        near = hypot(x, y) >= SURFACE * joint.clearance
+        rates = np.where(near, (x * v - y * u) / np.where(near, x * x + y * y, 1.0) - bearing, 0.0)
+        rate, error = float(np.mean(rates)), float(np.std(rates)) / math.sqrt(samples)
+        spin, size = float(np.mean(journal - bearing)), float(np.mean(np.abs(journal - bearing)))
+        backward = rate * spin < 0.0 and abs(rate) > FAST * size and abs(spin) > ONE_WAY * size
+        if np.mean(near) >= CONTACT_SHARE and backward and abs(rate) > CERTAIN * error:
+            result[name] = Whirl(rate, spin)
+    return result
