@@ -27,7 +27,6 @@ from .digits import (
     is_undetermined,
     largest_of_turns,
     largest_text,
-    measure_text,
     over_turns,
     prefixed,
     shaking_text,
@@ -45,10 +44,10 @@ from .run_tables import (
     influence_text,
     knock_texts,
     lacks_friction,
+    mean_text,
     note_on_means,
     noted,
     of_contacts,
-    power_text,
 )
 from .trust import (
     UNCOMPARED,
@@ -293,7 +292,7 @@ def _joint_row(summary: Json, name: str, moment: str) -> tuple[str, ...]:
     knock = knock_texts(summary, name)[0]
     pressures = of_contacts(summary, name, "contact_pressure.max")
     friction = f"{name}.friction_power.mean"
-    power = power_text(summary, friction, WIDE) if summary["measures"].get(friction) else ""
+    power = mean_text(summary, friction, "W", WIDE) if summary["measures"].get(friction) else ""
     return (
         label,
         ideal_force_text(summary, name),
@@ -332,9 +331,10 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
         if abs(measures.get(f"{name}.torque.mean", 0.0)) > ROUNDING * body["torque.max"]:
             total = sum(measures[loss] for loss in friction)
             losses = f" ({sum_text(summary, friction, 'W')} friction)" if total else ""
-            power = power_text(summary, f"{name}.power.mean", SCATTER)
+            power = mean_text(summary, f"{name}.power.mean", "W", SCATTER)
             texts.append(f"mean power {power}{losses}")
-            texts.append(f"mean torque {measure_text(summary, f'{name}.torque.mean', 'N m')}")
+            torque = mean_text(summary, f"{name}.torque.mean", "N m", CERTAIN)
+            texts.append(f"mean torque {torque}")
         ideal = body["ideal_torque.max"]
         compared = f" (ideal {prefixed(ideal, 'N m')})" if ideal is not None else ""
         texts.append(f"largest torque {_torque(summary, f'{name}.torque.max')}{compared}")
