@@ -35,7 +35,7 @@ PREFIXES = (  # factors with their exponents of ten
 PREFIXED = ("m", "N", "Pa", "W", "J", "s")  # units of quantities with prefixes
 MOST_DIGITS = 10  # of a number whose error is unknown
 TENTH = 0.1 + 1e-12  # of an end of a range: its second digit is kept, although products round
-NOTHING = 0.01  # of the larger end of a range: a smaller end has one digit
+TINY = 0.01  # of the larger end of a range: a smaller end has one digit
 LEAST_DIGITS = 2  # of a number of a column, however large its error
 NEGLIGIBLE_IDEAL = 1e-9  # of the largest of its kind: an ideal force or acceleration below it is rounding
 
@@ -305,7 +305,7 @@ def end_width(end: float, low: float, high: float, width: float) -> float:
     if not (width > 0.0 and math.isfinite(high - low)):
         return width
     fine = min(width, 0.1 * (high - low)) if high - low > WIDE * size else width
-    return min(fine, TENTH * abs(end)) if high > low and abs(end) > NOTHING * size else fine
+    return min(fine, TENTH * abs(end)) if high > low and abs(end) > TINY * size else fine
 
 
 def deviations(low: float, high: float, value: float) -> str:

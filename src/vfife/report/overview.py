@@ -52,6 +52,7 @@ from .run_tables import (
 from .trust import (
     UNCOMPARED,
     alternation_words,
+    mesh_clause,
     missing_estimate,
     over_several_turns,
     period_sentence,
@@ -151,12 +152,25 @@ def uncertain(summary: Json) -> bool:
 
 def certainty(summary: Json) -> str:
     """Return how far the forces, moments and torques of a run can be trusted, in one or two sentences."""
-    sentences = [_certainty(summary), law_sentence(summary), period_sentence(summary)]
+    sentences = [_with_meshes(summary), law_sentence(summary), period_sentence(summary)]
     if without_turns(summary):
         sentences.append(
             f"{UNCOMPARED[0].upper()}{UNCOMPARED[1:]}: all values are those of the last turn alone."
         )
     return " ".join(sentence for sentence in sentences if sentence)
+
+
+def _with_meshes(summary: Json) -> str:
+    """Return how far the values can be trusted, and which meshes that leaves out: in the sentence that calls
+    them reliable, else in the next one.
+    """
+    text, clause = _certainty(summary), mesh_clause(summary)
+    if not clause or not summary["trust"] or summary["status"] in FAILURES:
+        return text
+    head, stop, rest = text.partition(". ")
+    if text.startswith(RELIABLE):
+        return f"{head.removesuffix('.')}; {clause}.{stop[1:]}{rest}"
+    return f"{text} {clause[0].upper()}{clause[1:]}."
 
 
 def law_sentence(summary: Json) -> str:
