@@ -15,7 +15,7 @@ from vfife.measures.landings import overlaps
 from vfife.report.document import Bullets, Document
 from vfife.report.overview import certainty, contact_counts, overview
 from vfife.report.pages import run_page
-from vfife.report.run_tables import NONE_BEGAN, knock_texts, power_text
+from vfife.report.run_tables import NONE_BEGAN, knock_texts, mean_text
 from vfife.report.terminal import as_text
 from vfife.studies.methods.compare import chosen_joints
 
@@ -120,9 +120,14 @@ def test_powers_have_their_ranges_on_one_screen() -> None:
     name = "crank.power.mean"
     summary["measures"][name] = 865.0
     summary["ranges"][name] |= {"low": 864.2, "high": 866.4, "lowest": 865.0, "highest": 865.0}
-    assert power_text(summary, name, 1e-4) == "864 to 867 W" and power_text(summary, name, 0.1) == "865 W"
-    assert power_text(summary | {"not_estimated": [name]}, name, 1e-4).endswith("(not estimated)")
+    assert mean_text(summary, name, "W", 1e-4) == "864 to 867 W"
+    assert mean_text(summary, name, "W", 0.1) == "865 W"
+    assert mean_text(summary | {"not_estimated": [name]}, name, "W", 1e-4).endswith("(not estimated)")
     assert "mean power 864 to 867 W" in " ".join(as_text(overview(summary)).split())
+    torque = "crank.torque.mean"
+    summary["measures"][torque] = 0.1261
+    summary["ranges"][torque] |= {"low": 0.0295, "high": 0.2709, "lowest": 0.1261, "highest": 0.1261}
+    assert "mean torque 29 to 280 mN m" in " ".join(as_text(overview(summary)).split())
 
 
 def test_a_contact_that_began_before_the_turns_of_the_table_is_no_plain_none() -> None:

@@ -127,3 +127,18 @@ def test_only_bodies_on_guides_have_dead_centres() -> None:
     assert {one["name"] for one in part["dead_centres"]} == {"lowest position", "highest position"}
     del part["dead_centres"]  # as in a summary of a former version
     assert "Travel" not in as_text(overview(part))
+
+
+def test_an_error_does_not_name_steps_whose_changes_are_unknown() -> None:
+    summary = copy.deepcopy(press().summary)
+    one = entry(summary, "bottom")
+    at = one["position"]
+    spread = {"low": at, "high": at, "lowest": at, "highest": at + 1e-6}
+    summary["ranges"] = summary["ranges"] | {one["measure"]: spread}
+    summary["not_estimated"] = [one["measure"]]
+    (text,) = (text for _, text in dead_centres.lines(summary) if one["measure"] in text)
+    assert "over turns, outputs miss" in text and "change with the step not estimated" in text
+    assert "steps" not in text
+    summary["not_estimated"] = []
+    (text,) = (text for _, text in dead_centres.lines(summary) if one["measure"] in text)
+    assert "over turns or steps, outputs miss" in text and "not estimated" not in text

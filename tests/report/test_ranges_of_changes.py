@@ -12,9 +12,13 @@ from rich.console import Console
 
 import vfife
 from vfife import gallery
+from vfife.measures.error_ranges import widen_influences
+from vfife.measures.values import Measured, Measures
 from vfife.report.front import TERMS, conclusion
 from vfife.report.overview import joint_table, overview
+from vfife.report.run_file import change_text
 from vfife.report.run_tables import MEANS, knock_texts, may_not_knock, tables
+from vfife.report.sensitivity import _range
 from vfife.report.terminal import write
 
 Json = dict[str, Any]
@@ -53,12 +57,26 @@ def test_a_change_by_clearance_has_its_range_and_one_name_everywhere() -> None:
     summary = altered({"force.lip": (20.0, -8.6, 46.3)})
     short, long = joint_table(summary), tables(summary)[0]
     assert "change" in short.headings and "change" in long.headings and "change" in TERMS
-    assert cell(short, "small-end", "change") == cell(long, "small-end", "change") == "-9 to 47 %"
+    assert cell(short, "small-end", "change") == cell(long, "small-end", "change") == "-8.6 to 47 %"
     assert "LIP(F)" in long.note and "LIP(F)" in TERMS["change"]
     changes = altered({"force.lip": (1e4, 0.9e4, 1.3e4)})
     assert any("a change of 9,000 to 13,000 %" in text for text in conclusion(changes)), conclusion(changes)
     certain = altered({"force.lip": (20.0, 19.9, 20.1)})
     assert cell(joint_table(certain), "small-end", "change") == "20.0 %"
+
+
+def test_no_change_is_below_the_loss_of_all() -> None:
+    """Largest values are not negative, so that their changes are at least -100 %."""
+    ranges = Measures()
+    for name, value, low, high in (("C.force.max", 10.0, 0.0, 300.0), ("C.force.lip", 0.0, -400.0, 2000.0)):
+        ranges[name] = Measured(value, low, high, estimated=True)
+    widen_influences(ranges, {"C.force.max": 10.0})
+    assert (ranges["C.force.lip"].low, ranges["C.force.lip"].high) == (-100.0, 2900.0)
+    run = {"lip_force": 900.0, "lip_force.low": -100.0, "lip_force.high": 45_000.0}
+    assert _range(run, "lip_force", 1.0) == "-100 to 45,000"
+    low, high = (altered({"force.max": numbers}) for numbers in ((1.0, 0.5, 5.0), (9.0, 6.0, 12.0)))
+    assert change_text((high, low), "small-end.force.max") == "-100 to -11 %"
+    assert change_text((low, high), "small-end.force.max") == "100 to 1,200 %"
 
 
 @pytest.mark.parametrize("low", [0.6, 0.8])

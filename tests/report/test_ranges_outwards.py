@@ -75,6 +75,25 @@ def test_both_ends_of_a_range_have_one_unit():
     assert quantities(9.999999999999999e-06, 3.7e-5, "m", exact=True) == "10 to 37 µm"
 
 
+@pytest.mark.parametrize(
+    ("low", "high", "unit", "text"),
+    [
+        (698.0, 2041.0, "N", "0.69 to 2.1 kN"),
+        (45.0, 3049.0, "N", "0.045 to 3.1 kN"),
+        (12.3, 113.5, "W", "12 to 120 W"),
+        (941.0, 1051.0, "N", "0.94 to 1.06 kN"),
+        (-8.6, 46.3, "%", "-8.6 to 47 %"),
+        (3.0, 3049.0, "N", "0.003 to 3.1 kN"),
+    ],
+)
+def test_a_wide_range_has_two_digits_however_uncertain_it_is(
+    low: float, high: float, unit: str, text: str
+) -> None:
+    """In short and in long answers, which give a digit or two of the width; not of an end that is nothing."""
+    width = high - low
+    assert interval(low, high, unit, width) == interval(low, high, unit, 0.1 * width) == text
+
+
 def test_decimals_of_other_ranges():
     assert significant_range(1.0 / 3.0, 2.0 / 3.0, 3) == "0.333 to 0.667"
     assert deviations(99.0, 102.0, 100.0) == "-1.0 to +2.0 %"

@@ -46,6 +46,7 @@ GROUND = "ground."  # measures at outputs, whose own estimates hold where they a
 # Values below this share of the largest of their kind are compared with that share, so that an idle joint
 # makes no run sensitive.
 LEAST_SHARE = 0.1
+LEAST_CHANGE = -100.0  # per cent: of a largest value that vanishes
 
 
 def companion_records(record: Record) -> Iterator[Record]:
@@ -126,7 +127,8 @@ def widen_influences(ranges: Measures, ideal: Mapping[str, float]) -> None:
     the ``ideal`` ones; that of a value without an estimate has none.
 
     The changes with the step of a curve and of its ideal one nearly cancel in their difference, and what an
-    output or an event adds to the error of the curve does not.
+    output or an event adds to the error of the curve does not. A largest value is not negative, so that no
+    change is below -100 %.
     """
     for name, measure in ranges.items():
         largest_name = name.removesuffix(".lip") + ".max"
@@ -135,7 +137,8 @@ def widen_influences(ranges: Measures, ideal: Mapping[str, float]) -> None:
         peak = ranges[largest_name]
         measure.estimated = measure.estimated and peak.estimated
         if measure.estimated:
-            measure.low = min(measure.low, lip(peak.low, ideal[largest_name]))
+            lowest = min(measure.low, lip(peak.low, ideal[largest_name]))
+            measure.low = max(lowest, LEAST_CHANGE)
             measure.high = max(measure.high, lip(peak.high, ideal[largest_name]))
         else:
             measure.low = measure.high = measure.value

@@ -11,8 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 from ..job.progress import amount_of_bytes, counted, span
 from ..laws.materials import PAIRS, coefficient
+from ..model.bodies import MOST_ELEMENTS, Frame, Link
+from ..model.lumping import rigid_properties
 from ..model.surfaces import body_of, surface_words, surfaces
 from ..model.wear import deepest
+from ..solvers.refinement import DOUBLE, with_elements
 from .digits import ABOUT_ZERO, RADIAL, is_ideal_zero
 from .document import Document, Paragraph, Part, Table, grouped, paragraphs, quantities
 from .freedom import degrees_of_freedom, freedom_words, redundancy
@@ -113,7 +116,7 @@ def bodies(assembly: Assembly) -> list[dict[str, Any]]:
     """Return model, mass (kg), inertia about the centre of mass (kg m^2) and centre of mass (m) of
     each body.
     """
-    drivers = assembly.mechanism.drivers
+    drivers, excess = assembly.mechanism.drivers, inertia_excess(assembly)
     return [
         {
             "name": name,
@@ -123,9 +126,34 @@ def bodies(assembly: Assembly) -> list[dict[str, Any]]:
             "inertia": body.inertia,
             "center": list(body.center),
             "driver": driver(drivers[name]) if name in drivers else None,
+            **({"inertia_excess": excess[name]} if name in excess else {}),
         }
         for name, body in assembly.bodies.items()
     ]
+
+
+def inertia_excess(assembly: Assembly) -> dict[str, float]:
+    """Return by which share (1) the inertia of the particles of elastic bodies exceeds that of infinitely
+    many.
+
+    The excess falls with the square of the number of elements, so that twice as many show it. Bent links,
+    whose elements do not halve, are left out.
+    """
+    bodies = {
+        name: body
+        for name, body in assembly.mechanism.bodies.items()
+        if isinstance(body, Frame) or (isinstance(body, Link) and body.model == "elastic" and not body.via)
+    }
+    excess = {}
+    for name, body in bodies.items():
+        finer = with_elements(body, DOUBLE)
+        if finer is None or 2 * len(assembly.bodies[name].elements) > MOST_ELEMENTS:
+            continue
+        inertia, fine = assembly.bodies[name].inertia, rigid_properties(finer).inertia
+        limit = (4.0 * fine - inertia) / 3.0
+        if inertia > limit > 0.0:
+            excess[name] = inertia / limit - 1.0
+    return excess
 
 
 def driver(driver: Driver) -> str:
@@ -256,6 +284,12 @@ def _bodies(bodies: Sequence[Mapping[str, Any]], limit: int | None) -> Iterator[
     yield Table(
         ("body", "model", "mass, kg", "inertia, kg m²", "centre of mass, m", "driver"), rows, numbers=(2, 3)
     )
+    excess = {body["name"]: 100.0 * body["inertia_excess"] for body in bodies if "inertia_excess" in body}
+    if shares := [f"{name} {share:.2g} %" for name, share in excess.items()][:limit]:
+        yield Paragraph(
+            f"Inertia of particles above that of the elastic body: {', '.join(shares)} (a quarter with twice"
+            " the elements)."
+        )
     yield from _left_out(len(bodies), limit, "bodies")
 
 

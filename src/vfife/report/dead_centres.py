@@ -149,8 +149,8 @@ def _difference(summary: Json, entry: Json) -> str:
 def _error(summary: Json, entry: Json) -> str:
     """Return what is known of the error of a position."""
     width = uncertainty(summary, entry["measure"])
-    texts = [f"± {prefixed(0.5 * width, 'm', width)} over turns or steps"] if width > 0.0 else []
+    estimated = is_estimated(summary, entry["measure"])
+    source = "over turns or steps" if estimated else "over turns"
+    texts = [f"± {prefixed(0.5 * width, 'm', width)} {source}"] if width > 0.0 else []
     texts += [f"outputs miss up to {prefixed(entry['missed'], 'm', entry['missed'], UP)}"]
-    return ", ".join(
-        [*texts, *([] if is_estimated(summary, entry["measure"]) else [f"steps {NOT_ESTIMATED}"])]
-    )
+    return ", ".join([*texts, *([] if estimated else [f"change with the step {NOT_ESTIMATED}"])])

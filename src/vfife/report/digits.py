@@ -34,6 +34,8 @@ PREFIXES = (  # factors with their exponents of ten
 )  # fmt: skip
 PREFIXED = ("m", "N", "Pa", "W", "J", "s")  # units of quantities with prefixes
 MOST_DIGITS = 10  # of a number whose error is unknown
+TENTH = 0.1 + 1e-12  # of an end of a range: its second digit is kept, although products round
+TINY = 0.01  # of the larger end of a range: a smaller end has one digit
 LEAST_DIGITS = 2  # of a number of a column, however large its error
 NEGLIGIBLE_IDEAL = 1e-9  # of the largest of its kind: an ideal force or acceleration below it is rounding
 
@@ -280,16 +282,30 @@ def interval(low: float, high: float, unit: str, width: float, word: str = "to",
     """Return a range with its unit once, its ends rounded outwards: the range that is shown contains the
     range.
 
-    No digit is finer than the first of ``width`` (same unit). With ``prefix``, both ends have the prefix of
-    the larger one.
+    No digit is finer than the first of ``width`` (same unit), or those of :func:`end_width`. With ``prefix``,
+    both ends have the prefix of the larger one.
     """
     directions = (DOWN, UP) if high > low else (NEAREST, NEAREST)
     size = max(abs(low), abs(high))
-    first, last = (
-        prefixed(end, unit, width, way, size) if prefix or not end else amount(end, unit, width, way)
-        for end, way in zip((low, high), directions, strict=True)
-    )
-    return f"{first.split()[0]} {word} {last}"
+    texts = []
+    for end, way in zip((low, high), directions, strict=True):
+        fine = end_width(end, low, high, width)
+        texts.append(
+            prefixed(end, unit, fine, way, size) if prefix or not end else amount(end, unit, fine, way)
+        )
+    return f"{texts[0].split()[0]} {word} {texts[1]}"
+
+
+def end_width(end: float, low: float, high: float, width: float) -> float:
+    """Return the uncertainty whose first digit is the last of an ``end`` of the range ``low`` to ``high``, at
+    most ``width``: such that a wide range has two digits of its width, and each end two of its own unless it
+    is nothing beside the other.
+    """
+    size = max(abs(low), abs(high))
+    if not (width > 0.0 and math.isfinite(high - low)):
+        return width
+    fine = min(width, 0.1 * (high - low)) if high - low > WIDE * size else width
+    return min(fine, TENTH * abs(end)) if high > low and abs(end) > TINY * size else fine
 
 
 def deviations(low: float, high: float, value: float) -> str:

@@ -62,6 +62,7 @@ OPTIONS: dict[str, str | Callable[[re.Match[str]], str]] = {
     r"run it again with (?:--set \S+\.contact\.(\w+=[\w-]+(?:\.\d+)?) ?)+": (
         r"compare contact.\1 in these joints"
     ),
+    r"compare --set \S+\.elements=\d+(?: --set \S+\.elements=\d+)*": "compare twice the elements",
     r" \(--long\)": "",
     r"more: --long": "more",
     r"run it with --turns (\d+) --settle 1%": r"run up to \1 turns, or until they repeat within 1 %",

@@ -27,7 +27,6 @@ from .digits import (
     is_undetermined,
     largest_of_turns,
     largest_text,
-    measure_text,
     over_turns,
     prefixed,
     shaking_text,
@@ -45,14 +44,15 @@ from .run_tables import (
     influence_text,
     knock_texts,
     lacks_friction,
+    mean_text,
     note_on_means,
     noted,
     of_contacts,
-    power_text,
 )
 from .trust import (
     UNCOMPARED,
     alternation_words,
+    mesh_clause,
     missing_estimate,
     over_several_turns,
     period_sentence,
@@ -152,12 +152,25 @@ def uncertain(summary: Json) -> bool:
 
 def certainty(summary: Json) -> str:
     """Return how far the forces, moments and torques of a run can be trusted, in one or two sentences."""
-    sentences = [_certainty(summary), law_sentence(summary), period_sentence(summary)]
+    sentences = [_with_meshes(summary), law_sentence(summary), period_sentence(summary)]
     if without_turns(summary):
         sentences.append(
             f"{UNCOMPARED[0].upper()}{UNCOMPARED[1:]}: all values are those of the last turn alone."
         )
     return " ".join(sentence for sentence in sentences if sentence)
+
+
+def _with_meshes(summary: Json) -> str:
+    """Return how far the values can be trusted, and which meshes that leaves out: in the sentence that calls
+    them reliable, else in the next one.
+    """
+    text, clause = _certainty(summary), mesh_clause(summary)
+    if not clause or not summary["trust"] or summary["status"] in FAILURES:
+        return text
+    head, stop, rest = text.partition(". ")
+    if text.startswith(RELIABLE):
+        return f"{head.removesuffix('.')}; {clause}.{stop[1:]}{rest}"
+    return f"{text} {clause[0].upper()}{clause[1:]}."
 
 
 def law_sentence(summary: Json) -> str:
@@ -293,7 +306,7 @@ def _joint_row(summary: Json, name: str, moment: str) -> tuple[str, ...]:
     knock = knock_texts(summary, name)[0]
     pressures = of_contacts(summary, name, "contact_pressure.max")
     friction = f"{name}.friction_power.mean"
-    power = power_text(summary, friction, WIDE) if summary["measures"].get(friction) else ""
+    power = mean_text(summary, friction, "W", WIDE) if summary["measures"].get(friction) else ""
     return (
         label,
         ideal_force_text(summary, name),
@@ -332,9 +345,10 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
         if abs(measures.get(f"{name}.torque.mean", 0.0)) > ROUNDING * body["torque.max"]:
             total = sum(measures[loss] for loss in friction)
             losses = f" ({sum_text(summary, friction, 'W')} friction)" if total else ""
-            power = power_text(summary, f"{name}.power.mean", SCATTER)
+            power = mean_text(summary, f"{name}.power.mean", "W", SCATTER)
             texts.append(f"mean power {power}{losses}")
-            texts.append(f"mean torque {measure_text(summary, f'{name}.torque.mean', 'N m')}")
+            torque = mean_text(summary, f"{name}.torque.mean", "N m", CERTAIN)
+            texts.append(f"mean torque {torque}")
         ideal = body["ideal_torque.max"]
         compared = f" (ideal {prefixed(ideal, 'N m')})" if ideal is not None else ""
         texts.append(f"largest torque {_torque(summary, f'{name}.torque.max')}{compared}")

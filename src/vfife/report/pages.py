@@ -135,7 +135,9 @@ def trust(summary: dict[str, Any]) -> list[Part]:
         return []
     onsets = depths_of_onsets(summary)
     return [
-        Facts([(name, text) for topic, name, text in _topics(summary) if topic in RELIABILITY]),
+        Facts(
+            [(name, without_options(text)) for topic, name, text in _topics(summary) if topic in RELIABILITY]
+        ),
         *[onsets] * bool(onsets.rows),
     ]
 

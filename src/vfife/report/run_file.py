@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import VfifeError
 from ..job.progress import amount_of_bytes, span
+from ..measures.error_ranges import LEAST_CHANGE
 from ..measures.stops import stop_sentence
 from ..numerics.outward import significant_range
 from ..solvers.status import Status
@@ -270,8 +271,10 @@ def change_text(summaries: Sequence[Json], measure: str) -> str:
     if old != new and low <= highest and lowest <= high:
         return OVERLAP
     bottom, top = 100.0 * (lowest - high) / abs(old), 100.0 * (highest - low) / abs(old)
+    if measure.endswith(".max"):
+        bottom = max(bottom, LEAST_CHANGE)
     if top - bottom > WIDE:
-        return interval(bottom, top, "%", top - bottom)
+        return interval(bottom, top, "%", top - bottom, prefix=False)
     return percent(100.0 * (new - old) / abs(old), top - bottom)
 
 

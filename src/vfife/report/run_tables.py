@@ -273,15 +273,15 @@ def _ideal_cells(summary: Json, name: str, ideal: float | None, values: Iterable
     return [ABOUT_ZERO if zero else amount(ideal, unit_of(f"{name}.max")), influence_text(summary, name)]
 
 
-def power_text(summary: Json, name: str, certain: float) -> str:
-    """Return a mean power, as a range where that is wider than the share ``certain`` of the power."""
+def mean_text(summary: Json, name: str, unit: str, certain: float) -> str:
+    """Return a mean power or torque, as a range where that is wider than the share ``certain`` of it."""
     value, bounds = summary["measures"][name], summary["ranges"].get(name)
     if bounds is None or not is_estimated(summary, name) or is_about_zero(summary, name):
-        return measure_text(summary, name, "W")
+        return measure_text(summary, name, unit)
     width = bounds["high"] - bounds["low"]
     if is_undetermined(summary, name) or not certain * abs(value) < width < math.inf:
-        return measure_text(summary, name, "W")
-    return interval(bounds["low"], bounds["high"], "W", uncertainty(summary, name))
+        return measure_text(summary, name, unit)
+    return interval(bounds["low"], bounds["high"], unit, uncertainty(summary, name))
 
 
 def lacks_friction(summary: Json, name: str) -> bool:

@@ -187,7 +187,9 @@ def _range(run: Mapping[str, Any], key: str, scale: float) -> str:
         return f"{low:,.6g}"
     places = decimals(max(abs(low), abs(high)), 0.1 * (high - low), significant=6, coarse_places=3)
     places = min(places, 0) if key == "impacts" else places
-    return f"{fixed_point(low, places, DOWN)} to {fixed_point(high, places, UP)}"
+    # A change is not below -100 %, where hundreds or thousands would begin it.
+    first = max(places, -2) if key.startswith("lip") else places
+    return f"{fixed_point(low, first, DOWN)} to {fixed_point(high, places, UP)}"
 
 
 def comparison_data(result: Comparison) -> dict[str, Any]:

@@ -63,7 +63,8 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
     ``surface_facts``, ``remarks``, ``warnings``, ``law_dependent`` (joints whose forces depend more on the
     contact law than on the step, with the index of the warning) and, of a model with stops, ``stops``
     (contacts that the outputs show, by name) with the ``stop_interval`` of the outputs (s), and of a model
-    with drivers of sliders or points ``actuators`` are what the document of
+    with drivers of sliders or points ``actuators`` and, of one with elastic bodies in motion,
+    ``meshes_not_covered`` (elements of the bodies whose mesh error is in no range) are what the document of
     :mod:`~vfife.report.run` is made of.
     """
     reference = reference if reference is not None else result.reference
@@ -122,7 +123,7 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
         "about_zero": about_zero(record, result.measures),
         "not_estimated": [name for name, measure in result.measures.items() if not measure.estimated],
         "trust": trust,
-        **_stops(record),
+        **(_stops(record) | _meshes(record)),
         **({} if static else _actuators(result, ideal)),
     }
 
@@ -149,6 +150,14 @@ def _actuators(result: RunData, ideal: Any) -> Json:
         measure = f"{name}.{quantity}.max"
         entries[name] = {"measure": measure, "unit": unit, "ideal": ideal.get(measure), "power": power}
     return {"actuators": entries} if entries else {}
+
+
+def _meshes(record: Record) -> Json:
+    """Return the elements of the bodies whose mesh error no range covers, as an entry of a summary."""
+    bodies = {} if record.static else record.assembly.bodies
+    counts = {name: len(body.elements) for name, body in bodies.items() if body.model != "two-particle"}
+    elements = {name: count for name, count in counts.items() if count}
+    return {"meshes_not_covered": elements} if elements else {}
 
 
 def _stops(record: Record) -> Json:

@@ -13,11 +13,13 @@ from ..measures.trust import HALVINGS, trust
 from ..measures.values import NOT_ESTIMATED
 from ..solvers.companions import SENSITIVE
 from ..solvers.status import Status
+from .design_words import and_words
 from .digits import NOT_DETERMINED, Json, deviations, interval, is_undetermined, prefixed, unit_of
 
 if TYPE_CHECKING:
     from ..results.run_data import RunData
 
+MOST_MESHES = 2  # elastic bodies that a sentence names
 UNCOMPARED = "the step does not divide a turn, so turns cannot be compared"
 
 
@@ -220,12 +222,14 @@ def trust_lines(summary: Json) -> Iterator[str]:
             f"largest values have errors of about {100.0 * trust['apart']:.1g} % at most"
             f" ({trust['measure']}), from runs with smaller steps{order}"
         )
-        if any(body["elements"] > 0 for body in summary["model"]["bodies"].values()):
-            yield "ranges are those of the step; the error of the mesh of elastic bodies is not estimated"
     elif trust["measure"]:
         sensitive = f": sensitive (beyond {100.0 * SENSITIVE:g} %)" if trust["sensitive"] else ""
         within = f"{100.0 * trust['apart']:.2g} % at {trust['measure']}"
         yield f"this run and {trust['companions']} with other step sizes agree within {within}{sensitive}"
+    if clause := mesh_clause(summary):
+        yield f"ranges are those of the step; {clause}"
+    elif any(body["elements"] > 0 for body in summary["model"]["bodies"].values()):
+        yield "ranges are those of the step; the error of the mesh of elastic bodies is not estimated"
     if trust["tried"]:
         unlike = "first contacts too deep, or energy not accounted for"
         shares = [
@@ -260,6 +264,36 @@ def missing_estimate(summary: Json) -> str:
         "it was not repeated with smaller steps, because its settings exclude that (companions = 0) or it was"
         " continued"
     )
+
+
+def meshes(summary: Json) -> dict[str, int]:
+    """Return the elements of the bodies whose mesh error no range of a run over time covers; a link of two
+    particles is one element by definition.
+    """
+    bodies = summary["model"]["bodies"]
+    if summary["run"].get("analysis") == "static":
+        return {}
+    return {
+        name: body["elements"]
+        for name, body in bodies.items()
+        if body["elements"] and body["model"] != "two-particle"
+    }
+
+
+def mesh_clause(summary: Json) -> str:
+    """Return which meshes ranges do not cover, and what to compare; "" without any."""
+    elements, bodies = meshes(summary), summary["model"]["bodies"]
+    if not elements:
+        return ""
+    if len(elements) > MOST_MESHES:
+        return f"the meshes of {len(elements)} elastic bodies are not covered: compare twice the elements"
+    named = [f"{name} ({count} element{'s' * (count > 1)})" for name, count in elements.items()]
+    phrase = (
+        f"the mesh of {and_words(named)} is" if len(named) == 1 else f"the meshes of {and_words(named)} are"
+    )
+    links = all(bodies[name]["model"] == "elastic" for name in elements)
+    options = " ".join(f"--set body.{name}.elements={2 * count}" for name, count in elements.items())
+    return f"{phrase} not covered: compare {options if links else 'twice the elements'}"
 
 
 def missing_mesh_estimate(summary: Json) -> str:

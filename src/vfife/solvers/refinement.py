@@ -226,17 +226,25 @@ def meshed(mechanism: Mechanism, share: float) -> Mechanism | None:
     """
     bodies: dict[str, Body] = {}
     for name, body in mechanism.bodies.items():
-        if any(not (share * count).is_integer() for count in counts(body)):
+        finer = with_elements(body, share)
+        if finer is None:
             return None
-        bodies[name] = body
-        if isinstance(body, Frame):
-            members = tuple(
-                dataclasses.replace(member, elements=int(share * member.elements)) for member in body.members
-            )
-            bodies[name] = dataclasses.replace(body, members=members)
-        elif isinstance(body, Link) and body.element_count:
-            bodies[name] = dataclasses.replace(body, elements=int(share * body.elements))
+        bodies[name] = finer
     return dataclasses.replace(mechanism, bodies=bodies)
+
+
+def with_elements(body: Body, share: float) -> Body | None:
+    """Return a body with ``share`` times the elements; None if that is no whole number."""
+    if any(not (share * count).is_integer() for count in counts(body)):
+        return None
+    if isinstance(body, Frame):
+        members = tuple(
+            dataclasses.replace(member, elements=int(share * member.elements)) for member in body.members
+        )
+        return dataclasses.replace(body, members=members)
+    if isinstance(body, Link) and body.element_count:
+        return dataclasses.replace(body, elements=int(share * body.elements))
+    return body
 
 
 def counts(body: Body) -> list[int]:
