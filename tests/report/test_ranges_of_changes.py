@@ -14,12 +14,13 @@ import vfife
 from vfife import gallery
 from vfife.measures.error_ranges import widen_influences
 from vfife.measures.values import Measured, Measures
+from vfife.report.document import Document, Table
 from vfife.report.front import TERMS, conclusion
 from vfife.report.overview import joint_table, overview
 from vfife.report.run_file import change_text
 from vfife.report.run_tables import MEANS, knock_texts, may_not_knock, tables
 from vfife.report.sensitivity import _range
-from vfife.report.terminal import write
+from vfife.report.terminal import as_text, write
 
 Json = dict[str, Any]
 
@@ -134,3 +135,15 @@ def test_a_number_of_knocks_from_zero_is_said_in_words() -> None:
     summary["ranges"]["small-end.impacts"] |= {"low": 3.0}
     assert knock_texts(summary, "small-end")[0] == "900 mm/s (not estimated)"
     assert not may_not_knock(summary, "small-end")
+
+
+def test_ranges_are_broken_before_their_upper_end_where_a_table_is_too_wide() -> None:
+    rows = [("small-end 34 µm", "0.65 to 1.05 kN", "0.72 to 1.13 kN"), ("main", "643.8 N", "900 N")]
+    table = Table(("joint", "largest, mean", "single turns"), rows, numbers=(1, 2))
+    wide, narrow = (as_text(Document([table]), columns).splitlines() for columns in (60, 45))
+    assert any("0.65 to 1.05 kN" in line and "0.72 to 1.13 kN" in line for line in wide)
+    broken = [line for line in narrow if "kN" in line]
+    assert broken and all(line.split()[-2:] != ["to", "kN"] for line in broken)
+    assert all(line.strip() != "kN" for line in narrow) and any(
+        line.endswith("to") for line in map(str.rstrip, narrow)
+    )

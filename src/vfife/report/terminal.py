@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
@@ -92,8 +92,21 @@ def _paragraph(part: Paragraph, console: Console) -> None:
 
 def _grid(part: Table, columns: int) -> Grid:
     """Return a table with two spaces between its cells in place of three where it is wider than so many
-    ``columns``.
+    ``columns``; the widest ranges are then broken before their upper end, so that no unit stands alone.
     """
+    rows = [[str(cell) for cell in row] for row in part.rows]
+    grid = _with_rows(part, rows)
+    if _width(grid) > columns:
+        grid.padding = (0, 0, 0, 1)
+    while _width(grid) > columns and (k := _widest_range(part, rows)) >= 0:
+        for row in rows:
+            row[k : k + 1] = [cell.replace(" to ", " to\n", 1) for cell in row[k : k + 1]]
+        grid = _with_rows(part, rows)
+        grid.padding = (0, 0, 0, 1)
+    return grid
+
+
+def _with_rows(part: Table, rows: Sequence[Sequence[str]]) -> Grid:
     grid = Grid(box=SIMPLE_HEAD, pad_edge=False)
     for k, heading in enumerate(part.headings):
         grid.add_column(
@@ -102,9 +115,25 @@ def _grid(part: Table, columns: int) -> Grid:
             overflow="fold",
             no_wrap=k in part.names,
         )
-    for row in part.rows:
-        grid.add_row(*(Text(str(cell)) for cell in row))
-    unlimited = Console(width=UNLIMITED)
-    if Measurement.get(unlimited, unlimited.options, grid).maximum > columns:
-        grid.padding = (0, 0, 0, 1)
+    for row in rows:
+        grid.add_row(*map(Text, row))
     return grid
+
+
+def _width(grid: Grid) -> int:
+    """Return the width of a table in which nothing is wrapped."""
+    unlimited = Console(width=UNLIMITED)
+    return Measurement.get(unlimited, unlimited.options, grid).maximum
+
+
+def _widest_range(part: Table, rows: Sequence[Sequence[str]]) -> int:
+    """Return the column of numbers with the longest range that is on one line and decides its width, -1 for
+    none.
+    """
+    widths: dict[int, int] = {}
+    for k in part.numbers:
+        cells = [part.headings[k], *(row[k] for row in rows if k < len(row))]
+        widest = max(cells, key=lambda cell: max(map(len, cell.split("\n"))))
+        if " to " in widest:
+            widths[k] = len(widest)
+    return max(widths, key=widths.__getitem__, default=-1)
