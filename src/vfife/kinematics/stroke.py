@@ -58,7 +58,7 @@ def _greatest(
     divisor = np.where(bent, curvature, -1.0)
     inside = bent & (np.abs(left - right) <= -2.0 * divisor)  # the vertex lies between the three positions
     peak = np.where(inside, middle - 0.125 * (right - left) ** 2 / divisor, middle)
-    return np.fmax(values.max(axis=-1), peak)
+    return np.asarray(np.fmax(values.max(axis=-1), peak))
 
 
 def vertex(values: Array) -> float:
