@@ -353,3 +353,11 @@ def test_a_static_model_with_clearance_is_told_what_needs_motion(command: Callab
             done = command(*call)
             assert done.exit_code == 0, done.stderr
             assert (words in " ".join((done.stdout + done.stderr).split())) == expected, done.stdout
+
+
+def test_check_says_that_nothing_loads_a_model(command: Callable) -> None:
+    loaded = command("new", "compressor", "-o", "loaded.toml"), command("check", "loaded.toml").stdout
+    assert "No loads" not in loaded[1]
+    said = "No loads: the model has neither a load, nor gravity, nor a spring."
+    assert said in command("check", CASE_C).stdout
+    assert said not in command("check", CASE_C, "--set", "gravity=[0, -9.81]").stdout

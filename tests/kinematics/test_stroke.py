@@ -43,9 +43,8 @@ def test_a_stroke_ends_where_crank_and_rod_are_in_line(angle: float, offset: flo
     assert answer.motion is not None and answer.turn is not None
     [low], [high] = strokes(Batch([m]), [answer.motion], [answer.turn], "guide")
     ends = (math.sqrt((ROD + sign * CRANK) ** 2 - offset**2) for sign in (-1.0, 1.0))
-    # The nearest of 36 positions is at most 5 degrees away, and the slider at most this far from its end.
-    inside = 1.01 * CRANK * (1.0 + CRANK / ROD) * (1.0 - math.cos(math.radians(5.0)))
-    assert (low, high) == pytest.approx(tuple(ends), abs=inside)
+    # The positions of a turn are 10 degrees apart: the nearest is up to 0.4 % of the crank's radius inside.
+    assert (low, high) == pytest.approx(tuple(ends), abs=1e-5 * CRANK)
     reverse = slider_crank(angle, offset, (-2.0, 0.0))
     answer = outlook(reverse)
     [least], [greatest] = strokes(Batch([reverse]), [answer.motion], [answer.turn], "guide")
@@ -63,6 +62,34 @@ def test_a_diagram_for_another_stroke_is_cautioned_about() -> None:
     [note] = cautions(short)
     assert "The load gas jumps where cylinder reverses: at -4" in note
     assert "from -42 to -4 mm of the table" in note
+
+
+@pytest.mark.parametrize(
+    ("release", "jump"),
+    [
+        (0.1150, ""),
+        (0.1155, ""),
+        (0.1157, ""),
+        (0.1165, "at 115.7 mm from -8000 to 0"),
+        (None, "at 115.7 mm"),
+    ],
+)
+def test_a_reversal_between_two_positions_of_a_turn_is_met(release: float | None, jump: str) -> None:
+    """The ram of the press reverses at 115.717 mm, at a crank angle of 334.90 degrees; the nearest of 36
+    positions is at 115.2 mm. A table is cautioned about where it jumps there, and nowhere else.
+    """
+    m = gallery.six_bar_press()
+    table = {"travels": [-0.1, 0.06, 0.061, 0.12], "force": [0.0, 0.0, -8e3, -8e3]}
+    if release is not None:
+        table = {
+            "travels": [-0.1, 0.06, 0.061, release - 2e-4, release, 0.12],
+            "force": [0.0, 0.0, -8e3, -8e3, 0.0, 0.0],
+        }
+    table["force_back"] = [0.0] * len(table["travels"])
+    m.guide_force("work", "guide", **table)
+    notes = [note for note in cautions(m) if "where guide reverses" in note]
+    assert len(notes) == bool(jump)
+    assert all(jump in note and "from -94.53 to 115.7 mm" in note for note in notes)
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 import io
 import math
 import re
@@ -295,3 +296,21 @@ def test_a_clearance_is_called_radial_before_and_after_a_run_and_in_all_starters
     for starter in Path(vfife.modelfile.__file__).parent.glob("templates/*.toml"):
         model = starter.read_text("utf-8")
         assert ('kind = "clearance"' in model) == ("# radial: half of the difference" in model), starter
+
+
+def test_a_driver_that_the_loads_drive_is_called_that() -> None:
+    """A gas that pushes the other way: the mean power is negative. Not where its range contains 0."""
+    sound = gallery.compressor(turns=1)
+    gas = sound.loads["gas"]
+    wrong = dataclasses.replace(
+        sound, loads={**sound.loads, "gas": dataclasses.replace(gas, reverse=not gas.reverse)}
+    )
+    words = "the loads drive the motor"
+    for m, said in ((sound, False), (wrong, True)):
+        run = vfife.simulate(m, companions=0, reference=False, outputs=360, step=2e-6)
+        assert (run.measures["crank.power.mean"] < 0.0) == said
+        assert (words in text(run.summary, 300)) == said
+        assert any(words in line for _, line in facts(run.summary)) == said
+    summary = copy.deepcopy(run.summary)
+    summary.setdefault("ranges", {})["crank.power.mean"] = {"low": -1e3, "high": 1.0}
+    assert words not in text(summary, 300)

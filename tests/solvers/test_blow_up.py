@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 from support import SQUARE, bits, four_bar, lanes
-from vfife import simulate
+from vfife import gallery, simulate
 from vfife.assembly.assemble import assemble
 from vfife.assembly.assembled import watched
 from vfife.compiler.runtime.loops import python_line
 from vfife.compiler.runtime.runner import Runner
+from vfife.laws import Material
 from vfife.model.mechanism import Mechanism
-from vfife.report.divergence import cause, first_infinite
+from vfife.report.divergence import cause, diverged, first_infinite
 from vfife.solvers.ensemble import ensemble
 from vfife.solvers.record import recorded_rows
 from vfife.solvers.transient import run
@@ -23,6 +24,7 @@ from vfife.solvers.transient import run
 LOOK = 1000  # steps between two looks of a run at its lanes, as docs/internals.md says
 
 SOUND, TOO_LARGE = 2e-6, 2e-4  # s; 1.3e-5 s is stable
+SOFT = 1e5  # N/m^1.5
 WITHIN = 1000  # steps in which numbers that leave all bounds are seen: what a run says of itself
 RADIUS = 0.01  # m, of the bearings: a deeper penetration has left the joint
 
@@ -189,3 +191,41 @@ def test_a_step_far_beyond_the_automatic_one_is_called_that():
     """
     said = told(double_pendulum(), step=0.5, duration=500.0)
     assert "automatic step of" in said and "--step auto" in said and "reach" not in said
+
+
+# ----------------------------------------------------------------------------------------- contact too soft
+
+
+def soft_pin(stiffness: float) -> Mechanism:
+    m = gallery.slider_crank_loose_pin(clearance=1e-4)
+    joint = m.joints["pin"]
+    contact = dataclasses.replace(joint.contact, stiffness=stiffness)
+    return dataclasses.replace(m, joints={**m.joints, "pin": dataclasses.replace(joint, contact=contact)})
+
+
+@pytest.mark.parametrize("outputs", [20, 2000])
+def test_a_contact_that_is_too_soft_is_called_that(outputs: int) -> None:
+    """A stiffness in N/mm^1.5: the pin leaves its bearing smoothly, with any step."""
+    result = simulate(soft_pin(SOFT), reference=False, outputs=outputs, turns=1)
+    assert result.record.status == "diverged"
+    for said in (diverged(result.record), *result.summary["warnings"][:1]):
+        assert "too soft, or overloaded" in said and "the bearing's radius" in said
+        assert f"is it in N/mm^1.5? {SOFT:.4g} N/mm^1.5 are" in said
+        assert "half" not in said and "take a smaller step" not in said
+
+
+def test_a_step_that_lets_a_pin_leap_is_no_soft_contact() -> None:
+    result = simulate(four_bar("BCD"), reference=False, step=TOO_LARGE, turns=5, force_step=True)
+    assert result.record.status == "diverged"
+    assert "too soft" not in diverged(result.record)
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(1e-6, True), (1e-2, False), (1e2, False), (1e4, False)])
+def test_a_stiffness_of_other_materials_is_cautioned_about(factor: float, unit: bool) -> None:
+    joint = gallery.slider_crank_loose_pin(clearance=1e-4).joints["pin"]
+    pair = joint.pair(Material(), Material())
+    notes = [
+        note for note in soft_pin(factor * pair.hertz_stiffness).check().notes if "stiffness given" in note
+    ]
+    assert len(notes) == (not 1e-3 < factor < 1e3)
+    assert all(("N/mm^1.5" in note) == unit for note in notes)

@@ -35,6 +35,7 @@ PREDICTION_TOLERANCE = 0.3  # of a stride: largest distance of a position from t
 LAST_CORRECTION = 1e-5  # of the extent: the square of so small a correction is round-off
 CLOSURE_TOLERANCE = 1e-6  # of the extent: distance of the position after a turn from the start
 CORRECTIONS = 6
+NARROW_STRIDE = 0.1  # of the distance of two positions of a turn: that of positions around an extreme
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +72,25 @@ def full_turns(
             for k, turn in zip(cases, turns, strict=True):
                 result[k] = turn
     return result
+
+
+def positions_around(motions: Sequence[Motion], turns: Sequence[FullTurn], places: Array) -> Array:
+    """Return closed positions [3, cases, n, 3] of mechanisms of one structure a degree before, at and after
+    each case's angle ``places`` [cases] (rad) of its crank from the start; infinite or NaN where they
+    do not close.
+    """
+    corrector = _Corrector(motions, 1.0)
+    directions = np.array([turn.direction for turn in turns])
+    places = places % (2.0 * math.pi)
+    nearest = np.rint(places / corrector.stride).astype(np.intp)
+    corrector.aim = corrector.aim + directions * places
+    guesses = np.array([turn.positions[k] for turn, k in zip(turns, nearest, strict=True)])
+    positions = np.repeat(guesses[None], 3, axis=0)
+    offsets = NARROW_STRIDE * corrector.stride * np.array([-1.0, 0.0, 1.0])
+    with np.errstate(all="ignore"):
+        for _ in range(CORRECTIONS):
+            positions = positions - corrector.of_bodies(corrector.step(positions, offsets)[0][..., 0])
+    return positions
 
 
 def _turned(motions: Sequence[Motion], direction: float, neighbour: FullTurn | None) -> list[FullTurn | None]:

@@ -13,25 +13,62 @@ from ..numerics.elementwise import sincos
 from .batch import Batch, Structures
 from .drives import guide_of
 from .forces import guide_direction
-from .full_turn import FullTurn
+from .full_turn import POSITIONS_PER_TURN, FullTurn, positions_around
 from .initial import Motion
 
 Array = NDArray[np.float64]
 
-# Share of the largest value by which the values of the two strokes may differ at the end of the stroke. Ends
-# are known from 37 positions of a turn, at worst 0.4 % of the crank's radius inside, where a steep table
-# differs a little already.
+# Share of the largest value by which the values of the two strokes may differ at the end of the stroke.
 JUMP = 0.1
 
 
 def strokes(
     batch: Batch, motions: Sequence[Motion], turns: Sequence[FullTurn], slider: str
 ) -> tuple[list[float], list[float]]:
-    """Return the least and greatest travels (m) of a slider along its guide at the positions of each case's
-    turn, [cases] each.
+    """Return the least and greatest travels (m) of a slider along its guide in each case, [cases].
+
+    The extremes lie between the positions of a turn: each is that of a parabola through three positions that
+    are a degree apart, around the extreme of a parabola through three positions of the turn.
     """
-    travel = travels(batch, motions, turns, slider)
-    return travel.min(axis=-1).tolist(), travel.max(axis=-1).tolist()
+    values = travels(batch, motions, turns, slider)
+    least, greatest = (
+        _greatest(batch, motions, turns, slider, sign * values, sign).tolist() for sign in (-1.0, 1.0)
+    )
+    return [-value for value in least], greatest
+
+
+def _greatest(
+    batch: Batch,
+    motions: Sequence[Motion],
+    turns: Sequence[FullTurn],
+    slider: str,
+    values: Array,
+    sign: float,
+) -> Array:
+    """Return the greatest travel (m) along a guide, times ``sign``, of each case with these ``values`` at the
+    positions of its turn [cases, positions].
+    """
+    stride = 2.0 * np.pi / POSITIONS_PER_TURN
+    around = positions_around(motions, turns, np.array([stride * vertex(row) for row in values]))
+    narrow = [FullTurn(turn.direction, around[:, k]) for k, turn in enumerate(turns)]
+    close = sign * travels(batch, motions, narrow, slider)
+    left, middle, right = close.T
+    curvature = left - 2.0 * middle + right
+    bent = curvature < 0.0
+    divisor = np.where(bent, curvature, -1.0)
+    inside = bent & (np.abs(left - right) <= -2.0 * divisor)  # the vertex lies between the three positions
+    peak = np.where(inside, middle - 0.125 * (right - left) ** 2 / divisor, middle)
+    return np.asarray(np.fmax(values.max(axis=-1), peak))
+
+
+def vertex(values: Array) -> float:
+    """Return the place, as a number of positions from the first, of the largest value of a turn whose last
+    position repeats the first, by a parabola through three positions.
+    """
+    values, k = values[:-1], int(np.argmax(values[:-1]))
+    left, middle, right = (float(values[(k + i) % len(values)]) for i in (-1, 0, 1))
+    curvature = left - 2.0 * middle + right
+    return k + (0.5 * (left - right) / curvature if curvature else 0.0)
 
 
 def travels(batch: Batch, motions: Sequence[Motion], turns: Sequence[FullTurn], slider: str) -> Array:

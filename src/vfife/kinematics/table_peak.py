@@ -19,7 +19,7 @@ from .batch import Batch
 from .drives import guide_of
 from .full_turn import FullTurn
 from .initial import Motion
-from .stroke import travels
+from .stroke import travels, vertex
 
 Array = NDArray[np.float64]
 
@@ -74,7 +74,8 @@ def table_peak(mechanism: Mechanism, motion: Motion, turn: FullTurn, load: Load)
     if not high > low or not np.ptp(values) > 0.0:
         return None
     sign = 1.0 if load.unit > 0.0 else -1.0  # a positive value pushes along the guide: the head is below
-    centres = [_vertex(angles, way * values) for way in (-sign, sign)]
+    stride = float(angles[1] - angles[0])
+    centres = [float(angles[0]) + stride * vertex(way * values) for way in (-sign, sign)]
     place, distance = min(
         ((place, _wrapped(place - centres[0])) for place in _peaks(load)), key=lambda pair: abs(pair[1])
     )
@@ -108,15 +109,6 @@ def _peaks(load: Load) -> list[float]:
     low, high = min(values), max(values)
     places = zip((*pieces.starts, pieces.end), values, strict=True)
     return [place for place, value in places if value - low >= PLATEAU * (high - low)]
-
-
-def _vertex(angles: Array, values: Array) -> float:
-    """Return the angle of the largest value of a turn whose last position repeats the first."""
-    values, k = values[:-1], int(np.argmax(values[:-1]))
-    left, middle, right = (float(values[(k + i) % len(values)]) for i in (-1, 0, 1))
-    curvature = left - 2.0 * middle + right
-    shift = 0.5 * (left - right) / curvature if curvature else 0.0
-    return float(angles[k]) + shift * float(angles[1] - angles[0])
 
 
 def _wrapped(angle: float) -> float:

@@ -242,6 +242,12 @@ class Law:
         """
         return ()
 
+    def misfit(self, pair: Pair) -> str:
+        """Return how far a stiffness that was given is from that of the surfaces ``pair``, as a sentence
+        without a full stop; "" where it fits them, or none was given.
+        """
+        return ""
+
     def facts(self, pair: Pair) -> tuple[str, ...]:
         """Return sentences, without full stops, on how the law takes its own parameters between the surfaces
         ``pair``. A fact is shown with the laws of a model; it is a caution only for answers that it changes.

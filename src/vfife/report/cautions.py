@@ -22,7 +22,7 @@ from ..model.surfaces import cautions, law_facts, remarks, surfaces
 from ..model.validation.plausibility import clearances_at_rest, suspect_surfaces
 from ..solvers.status import Status
 from .damping_cautions import blow_cautions, damping_cautions
-from .divergence import FLOOR
+from .divergence import FLOOR, soft_contact
 from .document import grouped
 from .trust import static_verdict
 
@@ -59,7 +59,9 @@ def transient_cautions(result: RunData, verdict: str, of_laws: Mapping[str, str]
     yield from damage(result)
     yield from suspect_surfaces(record.assembly.mechanism)
     if record.status != Status.COMPLETE:
-        yield STATUS.get(record.status, f"The run is {record.status}.").format(time=float(result.time[-1]))
+        sentence = STATUS.get(record.status, f"The run is {record.status}.")
+        soft = soft_contact(record)
+        yield f"{soft[0].upper()}{soft[1:]}" if soft else sentence.format(time=float(result.time[-1]))
     if choice.step > choice.stable:
         yield (
             f"The step of {choice.step:.4g} s is larger than the stable one, {choice.stable:.4g} s"

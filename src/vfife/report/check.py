@@ -254,6 +254,8 @@ def document(check: Mapping[str, Any], long: bool = False) -> Document:
         rows = [(pair["name"], pair["what"], end) for pair, end in zip(check["couplings"], ends, strict=True)]
         parts.append(Table(("name", "what", "acts on"), rows))
     parts += [Paragraph(f"{words}.") for words in map(load_words, check["loads"])]
+    if check.get("unloaded"):
+        parts.append(Paragraph("No loads: the model has neither a load, nor gravity, nor a spring."))
     parts += [Paragraph(f"Law {name} of your own: {words}.") for name, words in check.get("laws", {}).items()]
     parts += paragraphs(
         [

@@ -96,6 +96,12 @@ def is_estimated(summary: Json, name: str) -> bool:
     return bounds is not None and bounds["high"] > bounds["low"]
 
 
+def is_negative(summary: Json, name: str) -> bool:
+    """Return whether a measure is below 0 throughout its range."""
+    bounds = (summary.get("ranges") or {}).get(name)
+    return bool((summary["measures"].get(name, 0.0) if bounds is None else bounds["high"]) < 0.0)
+
+
 def range_text(summary: Json, name: str) -> str:
     """Return the range of a measure without its unit, "exact", or that it was not estimated."""
     if not is_estimated(summary, name):

@@ -23,7 +23,9 @@ from ..measures.energy import own_floor
 from ..model.drivers import Driver
 from ..model.functions import motion_function
 from ..model.mechanism import Mechanism
+from ..model.surfaces import surfaces
 from ..solvers.record import Record
+from ..solvers.status import Status
 
 if TYPE_CHECKING:
     from ..assembly.assembled import Assembly
@@ -32,6 +34,10 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 HALVINGS = 30  # of the time between a position that closes and one that does not
 WAY_POINTS = 50  # positions on the way
+SMOOTH_STEPS = 20  # before a number leaves its bounds, in which a penetration is followed
+# Of the limit of a penetration, its largest change in a step: a step that is too large for a contact makes it
+# leap, by a tenth of the limit and more.
+SMOOTH = 0.02
 LARGE_STEP = 4.0  # times the automatic step, beyond which a step is a likely cause
 
 FLOOR = (
@@ -46,6 +52,8 @@ ENTITIES = ("contact", "frame", "spring", "joint", "driven", "function", "system
 def diverged(record: Record) -> str:
     """Return why a run diverged: step, time, quantity and remedy."""
     choice = record.assembly.choice
+    if soft := soft_contact(record):
+        return soft
     step, name = first_infinite(record)
     return f"in step {step:,}, at {step * choice.step:.6g} s, {name}. {cause(record, step * choice.step)}"
 
@@ -58,6 +66,17 @@ def first_infinite(record: Record) -> tuple[int, str]:
     if record.burst is not None:
         event = "grew without bound" if record.burst.finite else "became infinite"
         return record.burst.step, f"{quantity_name(record.assembly, record.burst.rows)} {event}"
+    step, rows, bad = last_steps(record)
+    if not bad.any():
+        return step, "a number of the state grew without bound"
+    event = "became infinite" if not np.isfinite(rows[-1]).all() else "grew without bound"
+    return step, f"{quantity_name(record.assembly, record.row_numbers[bad])} {event}"
+
+
+def last_steps(record: Record) -> tuple[int, list[Array], NDArray[np.bool_]]:
+    """Repeat the steps after the last sound output up to the first with a number beyond its bounds. Return
+    that step, the rows of the last :data:`SMOOTH_STEPS` steps at most, and which rows are beyond.
+    """
     assembly, last = record.assembly, int(record.steps[-1])
     state = assembly.state.copy()
     state[record.row_numbers] = record.rows[-1]
@@ -71,13 +90,56 @@ def first_infinite(record: Record) -> tuple[int, str]:
         parts=assembly.mechanism.settings.parts,
     )
     runner.done = last + 1  # step 0, which makes output 0, is one of those that were made
+    limits, seen = Bounds(assembly, record.row_numbers), [record.rows[-1]]
     for step in range(last + 1, last + assembly.choice.outputs_every + 1):
         rows = runner.advance(1, 1)[:, :, 0]
-        bad = Bounds(assembly, record.row_numbers).unsound(rows)[0]
+        seen = [*seen[1 - SMOOTH_STEPS :], rows[0].copy()]
+        bad = limits.unsound(rows)[0]
         if bad.any():
-            event = "became infinite" if not np.isfinite(rows).all() else "grew without bound"
-            return step, f"{quantity_name(assembly, record.row_numbers[bad])} {event}"
-    return last + assembly.choice.outputs_every, "a number of the state grew without bound"
+            return step, seen, bad
+    return last + assembly.choice.outputs_every, seen, np.zeros(len(record.row_numbers), dtype=bool)
+
+
+def soft_contact(record: Record) -> str:
+    """Return a sentence on a contact whose penetration rose smoothly to its bound: too soft, or overloaded;
+    "" where another number, the step, or a position that the drivers cannot pass ended a run.
+    """
+    assembly = record.assembly
+    choice = assembly.choice
+    if not assembly.contacts or record.status != Status.DIVERGED or choice.step > choice.stable:
+        return ""
+    step, rows, bad = last_steps(record)
+    columns = {int(row): k for k, row in enumerate(record.row_numbers)}
+    depths = [columns[int(row)] for row in assembly.layout["contact_penetration"]]
+    beyond = [k for k, column in enumerate(depths) if bad[column]]
+    if not beyond or not np.isfinite(rows[-1]).all():
+        return ""
+    index = beyond[0]
+    joint = assembly.mechanism.contacts[assembly.contact_joints[index]]
+    course = _depths_before(record, rows, depths[index])
+    rise = float(np.abs(np.diff(course)).max()) / joint.reach
+    if rise > SMOOTH or end_of_reach(record, (step + 1) * assembly.choice.step):
+        return ""
+    misfit = joint.contact.misfit(surfaces(assembly.mechanism, joint))
+    remedy = (
+        f"{misfit[0].upper()}{misfit[1:]}"
+        if misfit
+        else "Check loads, masses, sizes and the stiffness of its law"
+    )
+    return (
+        f"at {step * choice.step:.6g} s the penetration of joint {assembly.contacts[index]} reached"
+        f" {1e3 * course[-1]:.4g} mm, and {joint.extent[1]}, {1e3 * joint.reach:.4g} mm, is the limit. It"
+        f" rose smoothly, by at most {100.0 * rise:.2g} % of that in a step: a smaller step ends in the same"
+        f" way. The contact is too soft, or overloaded. {remedy}."
+    )
+
+
+def _depths_before(record: Record, rows: list[Array], column: int) -> list[float]:
+    """Return the penetrations (m) of the last steps, after those of outputs that are a single step apart."""
+    course = [float(row[column]) for row in rows]
+    if record.assembly.choice.outputs_every > 1:
+        return course
+    return [*record.rows[-SMOOTH_STEPS:-1, column].tolist(), *course]
 
 
 def quantity_name(assembly: Assembly, rows: Any) -> str:

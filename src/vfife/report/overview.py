@@ -37,7 +37,7 @@ from .digits import (
 )
 from .document import Document, Facts, Paragraph, Part, Section, Table, paragraphs
 from .noise import blow, noise
-from .run import CONFORMAL, ROUNDING, SHARED, actuator_facts, document
+from .run import CONFORMAL, ROUNDING, SHARED, actuator_facts, document, reversed_power
 from .run_tables import (
     deepest_text,
     force_text,
@@ -347,6 +347,7 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
             losses = f" ({sum_text(summary, friction, 'W')} friction)" if total else ""
             power = mean_text(summary, f"{name}.power.mean", "W", SCATTER)
             texts.append(f"mean power {power}{losses}")
+            texts += reversed_power(summary, f"{name}.power.mean")
             torque = mean_text(summary, f"{name}.torque.mean", "N m", CERTAIN)
             texts.append(f"mean torque {torque}")
         ideal = body["ideal_torque.max"]

@@ -14,6 +14,7 @@ from .digits import (
     estimate_mark,
     ideal_shaking_text,
     is_about_zero,
+    is_negative,
     largest_of_turns,
     measure_text,
     plain_number,
@@ -176,6 +177,7 @@ def actuator_facts(summary: Json) -> Iterator[tuple[str, str]]:
         texts = []
         if abs(summary["measures"].get(power, 0.0)) > ROUNDING * actuator["power"]:
             texts.append(f"mean power {value_text(summary, power, 'W')}{losses}")
+            texts += reversed_power(summary, power)
         if measure in summary["measures"]:
             word = "force" if actuator["unit"] == "N" else "torque"
             ideal = actuator["ideal"]
@@ -183,6 +185,15 @@ def actuator_facts(summary: Json) -> Iterator[tuple[str, str]]:
             largest = largest_of_turns(summary, measure, actuator["unit"])
             texts.append(f"largest {word} {largest}{compared}")
         yield name, ", ".join(texts)
+
+
+def reversed_power(summary: Json, power: str) -> list[str]:
+    """Return the words on a driver whose mean ``power``, a measure, is negative throughout its range."""
+    if not is_negative(summary, power):
+        return []
+    bodies = summary["model"]["bodies"].values()
+    several = len(summary.get("actuators", {})) + sum(body["torque.max"] is not None for body in bodies) > 1
+    return ["the loads or other drivers drive it" if several else "the loads drive the motor"]
 
 
 def _laws(laws: Json) -> str:
@@ -210,7 +221,12 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
                 value_text(summary, f"{name}.torque.mean", "N m"),
                 value_text(summary, f"{name}.power.mean", "W"),
             )
-            yield "", f"{name}: mean torque {torque}{swing if ripple else ''}, mean power {power} ({part})"
+            braking = "".join(f", {words}" for words in reversed_power(summary, f"{name}.power.mean"))
+            yield (
+                "",
+                f"{name}: mean torque {torque}{swing if ripple else ''}, mean power {power}{braking}"
+                f" ({part})",
+            )
     if (name := "mechanism.efficiency") in measures:
         yield (
             "",

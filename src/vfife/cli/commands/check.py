@@ -60,6 +60,7 @@ def examine(options: CheckOptions) -> dict[str, Any]:
         "joints": described.joints(assembly, expected),
         "couplings": described.couplings(assembly),
         "loads": loads(mechanism, facts.outlook.motion, facts.outlook.turn),
+        **({} if mechanism.loads or mechanism.springs or any(mechanism.gravity) else {"unloaded": True}),
         "degrees_of_freedom": freedom(assembly),
         "load_factors": (
             list(mechanism.settings.load_factors) if mechanism.settings.analysis == "static" else []

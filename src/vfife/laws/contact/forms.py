@@ -30,6 +30,8 @@ LAST = 1.1  # w at which the tangent begins
 # Mechanics, 1985, Table 11.1).
 QUASI_STATIC = 1e-5
 PLASTIC = 1e-3
+MISFIT = 1e3  # ratio of stiffnesses: beyond it one is of other materials, or in another unit
+MILLIMETRES = 1e3**1.5  # N/m^1.5 of one N/mm^1.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,10 +88,12 @@ class PointContact(Damped):
     def cautions(
         self, pair: Pair, penetration: float | None = None, impact_speed: float | None = None
     ) -> tuple[str, ...]:
-        """Beside the restitution: impacts so fast that metals flow, a hundred times faster than Hertz' theory
-        allows.
+        """Beside the restitution: a stiffness that does not fit the materials, and impacts so fast that
+        metals flow, a hundred times faster than Hertz' theory allows.
         """
         cautions = super().cautions(pair, penetration, impact_speed)
+        if penetration is None and (misfit := self.misfit(pair)):
+            cautions += (misfit,)
         limit = PLASTIC * pair.wave_speed
         if impact_speed is None or impact_speed <= limit:
             return cautions
@@ -101,6 +105,29 @@ class PointContact(Damped):
                 " too large and too short"
             ),
         )
+
+    def misfit(self, pair: Pair) -> str:
+        """By how much a given K differs from 4 E*/3 sqrt(R), more than a thousandfold, and the unit that it
+        may have.
+        """
+        if self.stiffness is None:
+            return ""
+        ratio = self.stiffness / pair.hertz_stiffness
+        if 1.0 / MISFIT <= ratio <= MISFIT:
+            return ""
+        factor = float(f"{max(ratio, 1.0 / ratio):.2g}")
+        times = f"{factor:,.0f} times {'larger' if ratio > 1.0 else 'smaller'} than"
+        text = (
+            f"the stiffness given, {self.stiffness:.4g} N/m^1.5, is {times} the"
+            f" {pair.hertz_stiffness:.3g} N/m^1.5 of its materials and radii"
+        )
+        converted = MILLIMETRES * self.stiffness
+        if ratio < 1.0 and converted / pair.hertz_stiffness > 1.0 / MISFIT:
+            return (
+                f"{text}: is it in N/mm^1.5? {self.stiffness:.4g} N/mm^1.5 are {converted:.4g} N/m^1.5;"
+                " without a stiffness, that of materials and radii is taken"
+            )
+        return f"{text}: check its unit, or leave it out for that of materials and radii"
 
     def usual(self, pair: Pair) -> tuple[float, float]:
         """From the 1e-5 sqrt(E/rho) of Hertz' quasi-static theory, 5 cm/s for steel, to the 1e-3 sqrt(E/rho)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from ...errors import VfifeError
 from ...measures.turns import each_turn
+from ...report.divergence import soft_contact
 from ...simulation.simulate import prepare, run_prepared
 from ...solvers.arguments import RunArguments
 from ...solvers.record import Record
@@ -74,6 +75,8 @@ def unsound(record: Record) -> str:
     """Return why a run is not complete."""
     time = record.steps[-1] * record.assembly.choice.step
     if record.status == Status.DIVERGED:
+        if soft := soft_contact(record):
+            return soft
         remedy = "take a smaller step, or look for parts that are far too stiff or light"
         return f"numbers grew without bound after step {record.reached}, {time:.4g} s: {remedy}"
     return f"it ended as {record.status} after step {record.reached}, {time:.4g} s"
