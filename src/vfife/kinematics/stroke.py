@@ -31,10 +31,10 @@ def strokes(
     are a degree apart, around the extreme of a parabola through three positions of the turn.
     """
     values = travels(batch, motions, turns, slider)
-    least, greatest = (
+    lows, highs = (
         _greatest(batch, motions, turns, slider, sign * values, sign).tolist() for sign in (-1.0, 1.0)
     )
-    return [-value for value in least], greatest
+    return [-value for value in lows], highs
 
 
 def _greatest(
