@@ -57,7 +57,7 @@ def _greatest(
     bent = curvature < 0.0
     divisor = np.where(bent, curvature, -1.0)
     inside = bent & (np.abs(left - right) <= -2.0 * divisor)  # the vertex lies between the three positions
-    peak = np.where(inside, middle - 0.125 * (right - left) ** 2 / divisor, middle)
+    peak = np.where(inside, middle - 0.125 * (right - left) * (right - left) / divisor, middle)
     return np.asarray(np.fmax(values.max(axis=-1), peak))
 
 
