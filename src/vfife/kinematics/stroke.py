@@ -31,10 +31,10 @@ def strokes(
     are a degree apart, around the extreme of a parabola through three positions of the turn.
     """
     values = travels(batch, motions, turns, slider)
-    least, greatest = (
+    lows, highs = (
         _greatest(batch, motions, turns, slider, sign * values, sign).tolist() for sign in (-1.0, 1.0)
     )
-    return [-value for value in least], greatest
+    return [-value for value in lows], highs
 
 
 def _greatest(
@@ -57,7 +57,7 @@ def _greatest(
     bent = curvature < 0.0
     divisor = np.where(bent, curvature, -1.0)
     inside = bent & (np.abs(left - right) <= -2.0 * divisor)  # the vertex lies between the three positions
-    peak = np.where(inside, middle - 0.125 * (right - left) ** 2 / divisor, middle)
+    peak = np.where(inside, middle - 0.125 * (right - left) * (right - left) / divisor, middle)
     return np.asarray(np.fmax(values.max(axis=-1), peak))
 
 

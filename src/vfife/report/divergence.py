@@ -90,14 +90,14 @@ def last_steps(record: Record) -> tuple[int, list[Array], NDArray[np.bool_]]:
         parts=assembly.mechanism.settings.parts,
     )
     runner.done = last + 1  # step 0, which makes output 0, is one of those that were made
-    limits, seen = Bounds(assembly, record.row_numbers), [record.rows[-1]]
+    limits, states = Bounds(assembly, record.row_numbers), [record.rows[-1]]
     for step in range(last + 1, last + assembly.choice.outputs_every + 1):
         rows = runner.advance(1, 1)[:, :, 0]
-        seen = [*seen[1 - SMOOTH_STEPS :], rows[0].copy()]
+        states = [*states[1 - SMOOTH_STEPS :], rows[0].copy()]
         bad = limits.unsound(rows)[0]
         if bad.any():
-            return step, seen, bad
-    return last + assembly.choice.outputs_every, seen, np.zeros(len(record.row_numbers), dtype=bool)
+            return step, states, bad
+    return last + assembly.choice.outputs_every, states, np.zeros(len(record.row_numbers), dtype=bool)
 
 
 def soft_contact(record: Record) -> str:
@@ -111,10 +111,10 @@ def soft_contact(record: Record) -> str:
     step, rows, bad = last_steps(record)
     columns = {int(row): k for k, row in enumerate(record.row_numbers)}
     depths = [columns[int(row)] for row in assembly.layout["contact_penetration"]]
-    beyond = [k for k, column in enumerate(depths) if bad[column]]
-    if not beyond or not np.isfinite(rows[-1]).all():
+    contacts = [k for k, column in enumerate(depths) if bad[column]]
+    if not contacts or not np.isfinite(rows[-1]).all():
         return ""
-    index = beyond[0]
+    index = contacts[0]
     joint = assembly.mechanism.contacts[assembly.contact_joints[index]]
     course = _depths_before(record, rows, depths[index])
     rise = float(np.abs(np.diff(course)).max()) / joint.reach

@@ -192,8 +192,8 @@ def reversed_power(summary: Json, power: str) -> list[str]:
     if not is_negative(summary, power):
         return []
     bodies = summary["model"]["bodies"].values()
-    several = len(summary.get("actuators", {})) + sum(body["torque.max"] is not None for body in bodies) > 1
-    return ["the loads or other drivers drive it" if several else "the loads drive the motor"]
+    drivers = len(summary.get("actuators", {})) + sum(body["torque.max"] is not None for body in bodies)
+    return ["the loads or other drivers drive it" if drivers > 1 else "the loads drive the motor"]
 
 
 def _laws(laws: Json) -> str:

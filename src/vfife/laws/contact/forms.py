@@ -31,7 +31,7 @@ LAST = 1.1  # w at which the tangent begins
 QUASI_STATIC = 1e-5
 PLASTIC = 1e-3
 MISFIT = 1e3  # ratio of stiffnesses: beyond it one is of other materials, or in another unit
-MILLIMETRES = 1e3**1.5  # N/m^1.5 of one N/mm^1.5
+MILLIMETRES = 1e3 * math.sqrt(1e3)  # N/m^1.5 of one N/mm^1.5
 
 
 @dataclass(frozen=True, kw_only=True)
