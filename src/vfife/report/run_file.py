@@ -216,8 +216,8 @@ def side_by_side(summaries: Mapping[str, Json]) -> Document:
     """Return a table of the largest force of each joint in several runs, and of moments that are not
     negligible.
 
-    ``summaries`` are those of :func:`vfife.report.summary.run_summary` by the name of the run. A column beside
-    each run after the first is the change from the first, unless the ranges of both overlap. Raises
+    ``summaries`` are those of :func:`vfife.report.summary.run_summary` by the name of the run. A column
+    beside each run after the first is the change from the first, unless the ranges of both overlap. Raises
     VfifeError for a static analysis.
     """
     if static := [name for name, summary in summaries.items() if summary["run"].get("analysis") == "static"]:
@@ -254,8 +254,8 @@ def _row(summaries: Mapping[str, Json], joint: str, measure: str, unit: str, lab
     for summary in summaries.values():
         cells.append(force_text(summary, measure, unit) if measure in summary["measures"] else "-")
         if summary is not first:
-            known = measure in first["measures"] and measure in summary["measures"]
-            cells.append(change_text([first, summary], measure) if known else "")
+            pair = [first, summary]
+            cells.append(change_text(pair, measure) if all(measure in s["measures"] for s in pair) else "")
     return tuple(cells)
 
 
