@@ -383,7 +383,8 @@ class DesignWork:
         answer = sensitivity(self.mechanism, [self.measure], list(paths), turns=self.turns, progress=job)
         if self.measure not in answer.doubtful:
             spec = CaseSpec((self.measure,), self.turns, last=self.averaged)
-            self.growths = growth_effects(self.mechanism, paths, spec, job)
+            machines = PartJob(job, "larger clearances", (0.0, 1.0))
+            self.growths = growth_effects(self.mechanism, paths, spec, machines)
         return answer
 
     def ranks(self, job: Job) -> MachineSample | None:

@@ -142,7 +142,7 @@ def growth_effects(
         values, steps = np.full(len(machines), math.nan), [math.inf]
         for done, (k, outcome) in enumerate(run_cases(mechanism, machines, finer), 1):
             count = repetition * len(machines) + done
-            job.count(count, 2 * len(machines), "machines with more clearance", failed=not outcome.values)
+            job.count(count, 2 * len(machines), "machines", failed=not outcome.values)
             values[k] = outcome.values.get(spec.measures[0], math.nan)
             steps.append(_finer_step(outcome, mechanism.settings.outputs))
         columns.append(values.reshape(shape))
