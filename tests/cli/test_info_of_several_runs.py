@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from vfife.report.run_file import OVERLAP, change_text, side_by_side
+from vfife.report.run_file import OVERLAP, _row, change_text, side_by_side
 
 CRANK = Path(__file__).resolve().parents[2] / "examples" / "slider_crank.toml"
 
@@ -32,8 +32,24 @@ def test_two_runs_share_a_table(command: Callable) -> None:
     change = 100.0 * (new["value"] / old["value"] - 1.0)
     assert float(row[-2].replace(",", "")) == pytest.approx(change, rel=1e-2)
     assert "vfife plot new fast" in done.stdout
+    three = command("info", "new", "fast", "new").stdout.splitlines()
+    heads = next(line.split() for line in three if line.split()[:2] == ["joint", "new"])
+    assert heads in (["joint", "new", "fast", "change"], ["joint", "new", "fast", "change", "new", "change"])
     alone = command("info", "new")
     assert alone.exit_code == 0 and "Run file" in alone.stdout
+
+
+def test_a_change_from_the_first_run_stands_beside_each_of_three() -> None:
+    runs = {
+        "new": summary(100.0, 99.9, 100.1), "twice": summary(150.0, 149.9, 150.1),
+        "same": summary(100.05, 99.8, 100.3),
+    }  # fmt: skip
+    rows = _row(runs, "A", "A.force.max", "N", "A")
+    assert len(rows) == 6 and rows[0] == "A"
+    assert rows[3].startswith("50") and rows[5] == OVERLAP
+    absent = {**runs, "twice": summary(150.0, 149.9, 150.1) | {"measures": {}}}
+    cells = _row(absent, "A", "A.force.max", "N", "A")
+    assert cells[2:4] == ("-", "") and cells[5] == OVERLAP
 
 
 def test_options_of_one_run_are_refused_with_several(command: Callable) -> None:

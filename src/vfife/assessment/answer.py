@@ -21,9 +21,8 @@ from ..studies.spec.distributions import SIGMAS
 from ..studies.study_work import Allocation
 from ..tribology.wear_state import Worn
 from .ranking import Rank
-from .sample import MachineSample
+from .sample import MachineSample, growth_of
 
-MOST_GROWTH, SHARE_OF_CLEARANCE = 10e-6, 0.1  # m, and share: the growth of a clearance whose effect is quoted
 SENSITIVE = 0.01  # of the measure: machines that hardly differ differ by more only in a sensitive motion
 LIFE = 2.0  # clearance at the end of a life, by that of the model, unless a limit is given
 
@@ -45,7 +44,8 @@ class Life(NamedTuple):
 class JointDesign:
     """Findings for a joint with ``clearance`` (m).
 
-    ``growth`` (m) of the clearance changes the measure by ``effect`` (value, low and high in per cent).
+    ``growth`` (m) of the clearance changes the measure by ``effect`` (value, low and high in per cent), in
+    machines that have this growth.
     ``rank`` is the partial rank correlation of the measure with the clearance over the machines of the
     sample. ``fit`` with the ``limits`` (m) of its clearance, and ``life``. None: not computed.
     """
@@ -74,7 +74,8 @@ class Design(NotebookDocument):
     clearance. ``sample``: machines with clearances from the finest to the coarsest fit, which rank the
     clearances. ``search``: "all" choices of fits, the "same" grades in all joints, or a "descent" from
     these joint by joint. ``corners``: machines whose clearances are limits of the chosen fits.
-    ``end_clearance`` (m) ends a life; None: twice the own one. ``joints``: the findings for each joint.
+    ``growths``: effects of grown clearances by path. ``end_clearance`` (m) ends a life; None: twice the own
+    one. ``joints``: the findings for each joint.
     """
 
     mechanism: Mechanism
@@ -96,6 +97,7 @@ class Design(NotebookDocument):
     sample: MachineSample | None = None
     search: str = "all"
     corners: MachineSample | None = None
+    growths: Mapping[str, Effect] = field(default_factory=dict)
 
     @property
     def name(self) -> str:  # type: ignore[override]
@@ -187,22 +189,19 @@ class Design(NotebookDocument):
         return f"<Design of {self.name!r} for {self.measure}: fits {fits}; see .joints, .missing>"
 
     def _joint(self, name: str, clearance: float) -> JointDesign:
-        growth = min(MOST_GROWTH, SHARE_OF_CLEARANCE * clearance)
+        growth, effect = growth_of(clearance), self._effect(path_of(name))
         fit, limits = self._fit(name)
-        effect = self._effect(path_of(name), growth / clearance)
         life, rank = self._life(name, clearance), self.ranks.get(name)
         return JointDesign(name, clearance, growth, effect, fit, limits, life, rank)
 
-    def _effect(self, path: str, share: float) -> Effect | None:
-        """Return the effect (%) of a growth of a number by a share of it, from that of 1 %."""
+    def _effect(self, path: str) -> Effect | None:
+        """Return the effect (%) of the growth of a clearance; None where runs with other time steps disagree
+        on the measure, or nothing was computed.
+        """
         answer = self.sensitivity
-        if answer is None or self.measure not in answer.measures or answer.undetermined:
+        if answer is None or self.measure not in answer.measures or self.measure in answer.doubtful:
             return None
-        if path in answer.refused or path not in (derivative.path for derivative in answer.derivatives):
-            return Effect(path, "derivative", 0.0, 0.0, 0.0) if path not in answer.refused else None
-        effect = answer.effect(self.measure, path)
-        value, low, high = (100.0 * share * number for number in effect[2:])
-        return Effect(path, effect.kind, value, low, high)
+        return self.growths.get(path)
 
     def _fit(self, name: str) -> tuple[str | None, tuple[float, float] | None]:
         choice = None if self.allocation is None else self.allocation.choice
@@ -230,6 +229,22 @@ class Design(NotebookDocument):
         factor = SCATTER if any(isinstance(side, str) for side in sides) else 1.0
         high = turns * factor / (1.0 - error) if error < 1.0 else math.inf
         return Life(turns, (turns / factor / (1.0 + error), high), end, reached, unsmoothed)
+
+
+def effects_agree(answer: Sensitivity, measure: str, growths: Mapping[str, Effect]) -> bool:
+    """Return whether the effects of all clearances on a measure are known, and small changes have the signs
+    of the ``growths`` by path.
+    """
+    small = {
+        derivative.path: answer.effect(measure, derivative.path)
+        for derivative in answer.derivatives
+        if measure in derivative.values
+    }
+    return measure not in answer.doubtful and all(
+        growth.kind != "unknown"
+        and (path not in small or (small[path].kind != "unknown" and small[path].value * growth.value >= 0.0))
+        for path, growth in growths.items()
+    )
 
 
 def clearances(mechanism: Mechanism) -> dict[str, float]:

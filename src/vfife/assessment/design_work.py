@@ -19,7 +19,7 @@ from ..measures.catalogue import differentiable
 from ..model.functions import crank_faults, turn_of
 from ..model.mechanism import Mechanism
 from ..options import Watch, with_options
-from ..results.derivatives import Sensitivity
+from ..results.derivatives import Effect, Sensitivity
 from ..simulation.simulate import Prepared, prepare
 from ..solvers.arguments import Arguments
 from ..solvers.status import Progress
@@ -43,7 +43,7 @@ from ..studies.spec.plan import CaseSpec
 from ..studies.study_work import Allocation, allocate, tables_of
 from ..tribology.simulate_wear import wear, wear_forecast
 from ..tribology.wear_state import Worn, surfaces_of, with_wear
-from .answer import LIFE, SENSITIVE, Design, clearances, path_of
+from .answer import LIFE, SENSITIVE, Design, clearances, effects_agree, path_of
 from .sample import (
     CLEARANCE_SPREAD,
     MACHINES,
@@ -51,10 +51,12 @@ from .sample import (
     MachineSample,
     corner_clearances,
     corner_count,
+    growth_effects,
     near_machines,
     run_machines,
     sampled_clearances,
     timed_machine,
+    with_growths,
 )
 
 FORCE = "{}.force.max"
@@ -135,6 +137,7 @@ class DesignWork:
     sample: MachineSample | None = None
     corners: MachineSample | None = None
     search: str = ALL_CHOICES
+    growths: Mapping[str, Effect] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         arguments = Arguments("design")
@@ -236,7 +239,8 @@ class DesignWork:
         differentiated = differentiable(self.measure) and not self.sensitive
         if differentiated:
             count = len(self.clearances)
-            parts["sensitivity"] = sensitivity_forecast(self.prepared, self.mechanism, count, None)
+            answer = sensitivity_forecast(self.prepared, self.mechanism, count, None)
+            parts["sensitivity"] = with_growths(answer, count, seconds)
         if self.needs_ranks(has_effects=differentiated):
             parts["ranks"] = machines(MACHINES)
         if self.allotment is not None:
@@ -279,7 +283,7 @@ class DesignWork:
             self.answers.get("fits"), self.answers.get("life"), self.missing,
             not any(reason == INTERRUPTED for reason in self.missing.values()) and self.complete_life,
             self.nominal, self.nominal_range, self.turns, self.averaged, self.sample, self.search,
-            self.corners,
+            self.corners, self.growths,
         )  # fmt: skip
 
     @property
@@ -375,22 +379,18 @@ class DesignWork:
                 f"the motion is sensitive: machines whose clearances differ by {100.0 * CLEARANCE_SPREAD:g} %"
                 f" differ by {100.0 * (high - low) / abs(self.nominal):.2g} % in {self.measure}"
             )
-        paths = [path_of(name) for name in self.clearances]
-        return sensitivity(self.mechanism, [self.measure], paths, turns=self.turns, progress=job)
+        paths = {path_of(name): gap for name, gap in self.clearances.items()}
+        answer = sensitivity(self.mechanism, [self.measure], list(paths), turns=self.turns, progress=job)
+        if self.measure not in answer.doubtful:
+            spec = CaseSpec((self.measure,), self.turns, last=self.averaged)
+            machines = PartJob(job, "larger clearances", (0.0, 1.0))
+            self.growths = growth_effects(self.mechanism, paths, spec, machines)
+        return answer
 
     def ranks(self, job: Job) -> MachineSample | None:
-        """Run machines by which clearances are ranked, unless derivatives by all of them are known."""
+        """Run machines by which clearances are ranked, unless the effects of all of them are known."""
         answer = self.answers.get("sensitivity")
-        has_effects = (
-            answer is not None
-            and self.measure not in answer.doubtful
-            and all(
-                answer.kind(self.measure, derivative.path) != "unknown"
-                for derivative in answer.derivatives
-                if self.measure in derivative.values
-            )
-        )
-        if not self.needs_ranks(has_effects):
+        if not self.needs_ranks(answer is not None and effects_agree(answer, self.measure, self.growths)):
             return None
         limits = {name: self.clearance_limits(name) for name in self.clearances}
         job(Progress(0, MACHINES, 0.0, f"{MACHINES} machines with clearances of all fits"))

@@ -6,6 +6,7 @@ have the same grades.
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import math
 from collections.abc import Mapping
@@ -14,10 +15,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..job.cost import cores, timed
+from ..job.cost import Forecast, cores, timed
 from ..job.job import Job
 from ..model.mechanism import Mechanism
-from ..studies.engine.cases import run_cases
+from ..results.derivatives import Effect
+from ..studies.engine.cases import Outcome, run_cases
+from ..studies.engine.step_trials import repeated_step
 from ..studies.spec.distributions import places
 from ..studies.spec.plan import CaseSpec
 from .ranking import Rank, partial_ranks
@@ -25,6 +28,10 @@ from .ranking import Rank, partial_ranks
 # With 64 machines a partial rank correlation beyond 0.25 is visible with 95 % confidence.
 MACHINES, SEED = 64, 1
 NEAR_MACHINES, CLEARANCE_SPREAD = 8, 2e-4  # machines that hardly differ, and the share by which they do
+# Machines with a grown clearance, like those that hardly differ: the ends of their spread, with the automatic
+# step and with a smaller one, as a sampled case of a study is repeated with another step.
+GROWN_SPREADS, FINER_STEP = (-0.5 * CLEARANCE_SPREAD, 0.5 * CLEARANCE_SPREAD), 0.8
+MOST_GROWTH, SHARE_OF_CLEARANCE = 10e-6, 0.1  # m, and share: the growth of a clearance whose effect is quoted
 MOST_CORNER_JOINTS = 3  # all combinations of limits of more joints are more than eight machines
 Array = NDArray[np.float64]
 
@@ -105,6 +112,70 @@ def run_machines(
         job.count(done, len(numbers), "machines", failed=not outcome.values)
         values[k] = outcome.values.get(spec.measures[0], math.nan)
     return MachineSample(tuple(paths), clearances, values)
+
+
+def growth_of(clearance: float) -> float:
+    """Return the growth (m) of a ``clearance`` (m) whose effect is quoted."""
+    return min(MOST_GROWTH, SHARE_OF_CLEARANCE * clearance)
+
+
+def growth_effects(
+    mechanism: Mechanism, clearances: Mapping[str, float], spec: CaseSpec, job: Job
+) -> dict[str, Effect]:
+    """Return the effect (%) on the first measure of ``spec`` of the growth of each of the ``clearances`` (m)
+    by path, from machines that have it.
+
+    Machines with and without a growth are compared in pairs that are alike in everything else: in each pair
+    all clearances differ from those of the model by the same share, and two steps are used. The range covers
+    the pairs; an effect whose sign they do not agree on, or of which one failed, is of the kind "unknown".
+    """
+    machines = [
+        {
+            path: (1.0 + spread) * (clearance + growth_of(clearance) * (path == grown))
+            for path, clearance in clearances.items()
+        }
+        for grown in ("", *clearances)
+        for spread in GROWN_SPREADS
+    ]
+    shape, columns, finer = (1 + len(clearances), len(GROWN_SPREADS)), list[Array](), spec
+    for repetition in range(2):
+        values, steps = np.full(len(machines), math.nan), [math.inf]
+        for done, (k, outcome) in enumerate(run_cases(mechanism, machines, finer), 1):
+            count = repetition * len(machines) + done
+            job.count(count, 2 * len(machines), "machines", failed=not outcome.values)
+            values[k] = outcome.values.get(spec.measures[0], math.nan)
+            steps.append(_finer_step(outcome, mechanism.settings.outputs))
+        columns.append(values.reshape(shape))
+        if not math.isfinite(min(steps)):  # no machine has a value
+            break
+        finer = dataclasses.replace(spec, step=min(steps))
+    base, *grown_values = np.concatenate(columns, axis=1)
+    result = {}
+    for path, values in zip(clearances, grown_values, strict=True):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            changes = 100.0 * (values - base) / np.abs(base)
+        low, high = float(changes.min()), float(changes.max())
+        agreement = math.isfinite(high - low) and low * high >= 0.0
+        result[path] = Effect(path, "change" if agreement else "unknown", float(changes.mean()), low, high)
+    return result
+
+
+def _finer_step(outcome: Outcome, outputs: int) -> float:
+    """Return a step (s) smaller than that of a machine by which each output of a turn is a whole number of
+    steps; infinite for a machine that failed.
+    """
+    if not outcome.values or not outcome.turns:
+        return math.inf
+    return repeated_step({"step": outcome.step}, outcome.steps // outcome.turns, outputs, FINER_STEP)
+
+
+def with_growths(forecast: Forecast, joints: int, machine: float) -> Forecast:
+    """Return the forecast of derivatives by ``joints`` clearances with that of the machines of
+    :func:`growth_effects`; ``machine``: time (s) of one.
+    """
+    seconds = (1 + joints) * len(GROWN_SPREADS) * (1.0 + 1.0 / FINER_STEP) * machine
+    ends = forecast.ends and (forecast.ends[0] + seconds, forecast.ends[1] + seconds)
+    return dataclasses.replace(forecast, seconds=forecast.seconds + seconds, ends=ends)
 
 
 def timed_machine(

@@ -12,7 +12,7 @@ from ..measures.wear import SIDES
 from ..model.surfaces import body_of, surface_words
 from .cautions import rebound_cautions
 from .design_words import UNKNOWN, and_words, end, quantity_of, sentence, words
-from .digits import interval, large_numbers, life_words, percent, prefixed, turns_words
+from .digits import large_numbers, life_words, percent, prefixed, quantities, turns_words
 from .document import Bullets, Document, Facts, Figure, Paragraph, Part, Section, Table
 from .fits import fit_cautions, fit_sentence, fits_data
 from .overview import settling_options
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 IMPACT_MEASURES = (".approach_speed.max", ".impacts", ".impact_power.mean")
 MISSING = "not estimated"
-FINEST, COARSE = 1e-6, 20e-6  # m: the last digit of limits of clearances, and from which largest limit on
 SCATTERED = 0.01  # of a value: a larger difference between nearly equal machines is stated
 # An example of a table of wear, with the coefficient of a bearing and of a journal.
 TABLE = "wear = {{ bearing = {}, journal = {} }}"
@@ -97,7 +96,7 @@ def sections(design: Design, model: str) -> list[Section]:
 def row(design: Design, joint: JointDesign) -> tuple[str, ...]:
     """Return the row of a joint."""
     life, limits = joint.life, joint.limits
-    clearance = interval(*limits, "m", FINEST if limits[1] > COARSE else 0.0) if limits else ""
+    clearance = quantities(*limits, "m", exact=True) if limits else ""
     lasts = MISSING
     if life is not None:
         lasts = turns_words(life.turns) if math.isfinite(life.turns) else "no wear"
@@ -120,26 +119,34 @@ def effect_cells(design: Design, joint: JointDesign) -> tuple[str, str]:
     if effect is None or effect.kind == "unknown":
         return UNKNOWN, ""
     width = effect.high - effect.low
-    mark = " *" if effect.kind == "change" else ""
     ends = (f"{percent(end, width)}" for end in (effect.low, effect.high))
-    return f"{'+' if effect.value > 0.0 else ''}{percent(effect.value, width)}{mark}", " to ".join(ends)
+    return f"{'+' if effect.value > 0.0 else ''}{percent(effect.value, width)}", " to ".join(ends)
 
 
 def rank_cells(design: Design, joint: JointDesign) -> tuple[str, str]:
-    """Return the rank correlation with the clearance and its range, where an effect is not known."""
+    """Return the rank correlation with the clearance and its range, where clearances are ranked."""
     if joint.rank is None or not shows_ranks(design):
         return "", ""
     return f"{joint.rank.value:+.2f}", f"{joint.rank.low:+.2f} to {joint.rank.high:+.2f}"
 
 
 def shows_ranks(design: Design) -> bool:
-    """Return whether clearances are ranked by correlation: the effect of one at least is not known."""
-    return any(unknown(joint) for joint in design.joints)
+    """Return whether clearances are ranked by correlation: the effect of one at least is not known, or has
+    the other sign than its rank correlation.
+    """
+    return any(unknown(joint) or contradicted(joint) for joint in design.joints)
 
 
 def unknown(joint: JointDesign) -> bool:
     """Return whether the effect of a small change of a clearance is not known."""
     return joint.effect is None or joint.effect.kind == "unknown"
+
+
+def contradicted(joint: JointDesign) -> bool:
+    """Return whether the rank correlation over the fits has visibly the other sign than the effect."""
+    if unknown(joint) or joint.effect is None or joint.rank is None:
+        return False
+    return joint.rank.visible and joint.rank.value * joint.effect.value < 0.0
 
 
 def fit_reason(design: Design, joint: JointDesign) -> str:
@@ -179,18 +186,28 @@ def conclusion(design: Design) -> Iterator[str]:
 
 
 def clearance_sentence(design: Design) -> str:
-    """Return which clearance matters most."""
+    """Return which clearance matters most: of those whose effects are all known, and none contradicts the
+    rank correlation over the fits.
+    """
     certain = [joint for joint in design.joints if not unknown(joint)]
     uncertain = [joint.name for joint in design.joints if joint not in certain]
     subject = f"{words(design.measure)} ({quantity_of(design, design.value)})"
     if not certain:
         return ranking_sentence(design, subject)
     decisive = max(certain, key=lambda joint: abs(joint.effect.value) if joint.effect else 0.0)
+    opposite = [joint.name for joint in certain if contradicted(joint)]
     value, span = effect_cells(design, decisive)
-    growth = prefixed(decisive.growth, "m")
-    text = f"The clearance of {decisive.name} matters most: {growth} more changes {subject} by"
-    remainder = f"; the effect of {' and '.join(uncertain)} is {UNKNOWN}" if uncertain else ""
-    return f"{text} {value.removesuffix(' *')} ({span}){remainder}."
+    growth, name = prefixed(decisive.growth, "m"), decisive.name
+    beginning = f"The clearance of {name} matters most: {growth} more"
+    if uncertain or opposite:
+        beginning = f"{growth} more clearance of {name}"
+    ends = [f"the effect of {and_words(uncertain)} is {UNKNOWN}"] if uncertain else []
+    if opposite:
+        ends.append(
+            "which clearance matters most is not known, because over the fits the rank correlation with"
+            f" {and_words(opposite)} has the other sign"
+        )
+    return f"{'; '.join([f'{beginning} changes {subject} by {value} ({span})', *ends])}."
 
 
 def ranking_sentence(design: Design, subject: str) -> str:
@@ -301,8 +318,6 @@ def value_cautions(design: Design) -> Iterator[str]:
 
 def effect_cautions(design: Design) -> Iterator[str]:
     """Yield what effects and rank correlations mean."""
-    if any(joint.effect is not None and joint.effect.kind == "change" for joint in design.joints):
-        yield "* from a change of 1 %: the derivative does not describe it."
     if shows_ranks(design) and design.ranks:
         machines = design.sample.count if design.sample else 0
         yield (
@@ -311,11 +326,15 @@ def effect_cautions(design: Design) -> Iterator[str]:
             " coarsest fit; +1 or -1 means that the clearance alone decides."
         )
     if any(not unknown(joint) for joint in design.joints):
-        yield "Effects are linear, from the derivative of the last turn checked by changes of 1 % and 0.1 %."
+        yield (
+            "Effects are those of machines that have the larger clearance, beside machines that have not;"
+            " their ranges cover clearances that hardly differ and two time steps. More or less clearance"
+            " than that may have other effects."
+        )
     elif design.sensitivity is not None:
         yield (
-            f"Effects of small changes are {UNKNOWN}: runs with slightly different clearances or time steps"
-            " disagree on them."
+            f"Effects of larger clearances are {UNKNOWN}: runs with slightly different clearances or time"
+            " steps disagree on them."
         )
     elif reason := design.missing.get("sensitivity"):
         yield f"Effects of small changes are {UNKNOWN}: {end(reason)}"

@@ -217,8 +217,8 @@ def side_by_side(summaries: Mapping[str, Json]) -> Document:
     """Return a table of the largest force of each joint in several runs, and of moments that are not
     negligible.
 
-    ``summaries`` are those of :func:`vfife.report.summary.run_summary` by the name of the run. With two runs
-    the last column is the change from the first to the second, unless the ranges of both overlap. Raises
+    ``summaries`` are those of :func:`vfife.report.summary.run_summary` by the name of the run. A column
+    beside each run after the first is the change from the first, unless the ranges of both overlap. Raises
     VfifeError for a static analysis.
     """
     if static := [name for name, summary in summaries.items() if summary["run"].get("analysis") == "static"]:
@@ -232,7 +232,8 @@ def side_by_side(summaries: Mapping[str, Json]) -> Document:
         for joint in joints
         if joint in moments
     ]
-    heads = ("joint", *names, *["change"] * (len(names) == 2))
+    changes = (head for name in names[1:] for head in (name, "change"))
+    heads = ("joint", *names[:1], *changes)
     table = Table(heads, rows, "Largest forces", numbers=range(1, len(heads)), names=(0,))
     facts = [
         (label if k == 0 else "", text)
@@ -249,15 +250,14 @@ def side_by_side(summaries: Mapping[str, Json]) -> Document:
 
 
 def _row(summaries: Mapping[str, Json], joint: str, measure: str, unit: str, label: str) -> tuple[str, ...]:
-    """Return the label of a row, the measure in each run, and of two runs its change."""
-    present = [summary for summary in summaries.values() if measure in summary["measures"]]
-    cells = [
-        force_text(summary, measure, unit) if measure in summary["measures"] else "-"
-        for summary in summaries.values()
-    ]
-    if len(summaries) == 2:
-        cells.append(change_text(present, measure) if len(present) == 2 else "")
-    return label, *cells
+    """Return the label of a row, the measure in each run, and beside those after the first its change."""
+    first, cells = next(iter(summaries.values())), [label]
+    for summary in summaries.values():
+        cells.append(force_text(summary, measure, unit) if measure in summary["measures"] else "-")
+        if summary is not first:
+            pair = [first, summary]
+            cells.append(change_text(pair, measure) if all(measure in s["measures"] for s in pair) else "")
+    return tuple(cells)
 
 
 def change_text(summaries: Sequence[Json], measure: str) -> str:
