@@ -528,10 +528,8 @@ def test_the_seventh_body_is_striped() -> None:
 
 
 def test_a_figure_states_a_peak_as_certainly_as_the_answer() -> None:
-    """A range, rounded outwards at the first digit of its width, where the peak is not certain; else four
-    digits.
-    """
-    assert peak_digits(Measured(621.3, 118.2, 811.0), 1.0) == "100 to 900"
+    """A range, its ends rounded outwards to two digits, where the peak is not certain; else four digits."""
+    assert peak_digits(Measured(621.3, 118.2, 811.0), 1.0) == "110 to 820"
     assert peak_digits(Measured(2370.0, 2331.0, 2409.0), 1e-3) == "2.33 to 2.41"
     assert peak_digits(Measured(621.3, 621.0, 621.9), 1.0) == "621.3"
     assert peak_digits(Measured(621.3), 1.0) == peak_digits(621.3, 1.0) == "621.3"

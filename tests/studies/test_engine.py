@@ -244,7 +244,9 @@ def test_case_that_diverges_is_told_as_its_own_run() -> None:
     assert found[0].status == str(record.status) == "diverged"
     assert found[0].steps == record.steps[-1]
     assert found[0].reason is not None
-    assert str(record.reached) in found[0].reason
+    assert (
+        "penetration of joint C reached 10.03 mm" in found[0].reason
+    )  # a fault of the contact, not of the step
     assert found[1].status == "complete"
     assert found[2].status == "failed"
     assert "too large" in str(found[2].reason)
