@@ -128,6 +128,19 @@ def test_a_word_without_a_hit_is_answered_in_one_line() -> None:
     assert all(purpose in CliRunner().invoke(app, ["help"]).stdout for purpose in PURPOSES)
 
 
+def test_words_without_a_topic_of_all_find_topics_of_each() -> None:
+    """As "cutting force": the measures and keys of forces, after a sentence that says so."""
+    result = CliRunner().invoke(app, ["help", "cutting", "force"])
+    assert result.exit_code == 0 and "Nothing has all words of 'cutting force'." in result.stdout
+    assert "*.force.max" in result.stdout and "load.NAME.force" in result.stdout
+    names = {
+        topic["name"]
+        for topic in json.loads(CliRunner().invoke(app, ["help", "motor power", "--json"]).stdout)
+    }
+    assert {"driver.NAME.torque", "*.power.mean"} <= names
+    assert CliRunner().invoke(app, ["help", "qqqq", "wwww"]).exit_code == 2
+
+
 # What a German engineer types, and what must be found.
 GERMAN_FINDS = {
     "Lebensdauer": "wear", "Spiel": "joint.NAME.clearance", "Lagerspiel": "joint.NAME.clearance",

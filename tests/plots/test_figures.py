@@ -260,7 +260,8 @@ def test_energies_are_those_of_the_ledger() -> None:
     result, figure = run("elastic_pendulum"), drawn("elastic_pendulum")["energy"]
     assert np.allclose(labelled(figure.axes[0], "strain of elastic links")[1], result.ledger.terms["strain"])
     assert np.allclose(
-        labelled(figure.axes[1], "work of weight and loads")[1], result.ledger.terms["external"]
+        labelled(figure.axes[1], "work of weight, loads and driver torques")[1],
+        result.ledger.terms["external"],
     )
     assert figure.axes[0].get_ylabel() == "stored (J)"
 

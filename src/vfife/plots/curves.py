@@ -388,7 +388,7 @@ STORED: dict[str, tuple[str, dict[str, Any]]] = {
 }
 SUPPLIED: dict[str, tuple[str, dict[str, Any]]] = {
     "driver": ("work of drivers", {"color": INK, "ls": (0, (5, 1.6))}),
-    "external": ("work of weight and loads", {"color": GREY, "ls": (0, (5, 1.6))}),
+    "external": ("work of weight, loads and driver torques", {"color": GREY, "ls": (0, (5, 1.6))}),
     "contact_loss": ("lost in impacts", {"color": VERMILION}),
     "friction_loss": ("lost in friction", {"color": ORANGE}),
     "damping_loss": ("lost in damping", {"color": INK, "ls": (0, (1, 1.2))}),

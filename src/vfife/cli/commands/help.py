@@ -164,8 +164,10 @@ class Topic:
     text: str
     words: str = ""
 
-    def score(self, query: Iterable[str]) -> float:
-        """Return how well the topic answers all of these words; 0 if one of them is absent."""
+    def score(self, query: Iterable[str], part: bool = False) -> float:
+        """Return how well the topic answers all of these words; 0 if one is absent, or with ``part`` if all
+        are.
+        """
         fields = ((NAME, self.name), (WORDS, self.words), (TEXT, self.text))
         weights = [
             (weight / len(tokens(text)) ** 0.2, token) for weight, text in fields for token in tokens(text)
@@ -173,7 +175,7 @@ class Topic:
         best = [
             max((weight * likeness(word, token) for weight, token in weights), default=0.0) for word in query
         ]
-        return sum(best) if all(best) else 0.0
+        return sum(best) if part or all(best) else 0.0
 
 
 @cache
@@ -286,10 +288,12 @@ def topics() -> Iterator[Topic]:
         yield from source()
 
 
-def search(text: str) -> list[Topic]:
-    """Return the topics that contain all words of a text, or words with the same meaning, the best first."""
+def search(text: str, part: bool = False) -> list[Topic]:
+    """Return the topics that contain all words of a text (with ``part``, some), or words with the same
+    meaning, the best first.
+    """
     query = tokens(text)
-    scores = [(topic.score(query), topic) for topic in topics()] if query else []
+    scores = [(topic.score(query, part), topic) for topic in topics()] if query else []
     return [topic for score, topic in sorted(scores, key=lambda pair: -pair[0]) if score > 0.0]
 
 
@@ -324,10 +328,12 @@ def help_(options: HelpOptions) -> None:
         }
         answer(Document([purposes()], data=data), options.as_json)
         return
-    for query in dict.fromkeys((text, FIT.sub("ISO 286 fit", text), in_english(text))):
-        if hits := search(query):
-            answer(document(query, hits), options.as_json)
-            return
+    queries = dict.fromkeys((text, FIT.sub("ISO 286 fit", text), in_english(text)))
+    for part in (False, True):
+        for query in queries:
+            if (hits := search(query, part)) and not (part and len(tokens(query)) == 1):
+                answer(document(query, hits, part), options.as_json)
+                return
     words = vocabulary()
     suggestions = [
         match for token in tokens(text) for match in difflib.get_close_matches(token, words, 3, 0.6)
@@ -346,9 +352,11 @@ def purposes() -> Table:
     return Table(("purpose", "command", "what for"), rows, names=(0, 1))
 
 
-def document(text: str, hits: Sequence[Topic]) -> Document:
-    """Return a document of the topics that a search found, in a table of each kind."""
-    tables = []
+def document(text: str, hits: Sequence[Topic], part: bool = False) -> Document:
+    """Return a document of the topics that a search found, in a table of each kind; with ``part``, no topic
+    has all words.
+    """
+    tables: list[Any] = [Paragraph(f"Nothing has all words of {text!r}. Topics with one of them:")] * part
     # A key comes before commands if words that are chosen for it make it a better topic, as a table for csv.
     best = next(
         (topic for topic in hits if topic.kind in KINDS[:1] or (topic.kind == KEY and topic.words)), None
