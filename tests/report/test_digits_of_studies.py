@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import pytest
 
-from vfife.report.digits import Digits, quantity_of_digits
+from vfife.report.amounts import Digits, quantity_of_digits
 
 
 @pytest.mark.parametrize(

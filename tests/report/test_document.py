@@ -23,8 +23,9 @@ from vfife.live.page import reports
 from vfife.modelfile import dump, load
 from vfife.plots.pdf import figure_scale, fullest
 from vfife.report import front, overview, pages, run_file
+from vfife.report.amounts import interval, prefixed
 from vfife.report.damping_cautions import comparison
-from vfife.report.digits import interval, measure_text, prefixed
+from vfife.report.digits import measure_text
 from vfife.report.front import TERMS, conclusion, explained, without_options
 from vfife.report.html import elements
 from vfife.report.overview import cautions, certainty, joint_table

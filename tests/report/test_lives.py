@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from vfife.report.digits import life_words
+from vfife.report.amounts import life_words
 
 RPM = 0.02  # s, a turn at 3000 rpm
 

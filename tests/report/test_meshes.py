@@ -13,7 +13,8 @@ import vfife
 from vfife import Mechanism, gallery
 from vfife.assembly.assemble import assemble
 from vfife.bodies import Section
-from vfife.report.check import _bodies, bodies
+from vfife.report.check import bodies
+from vfife.report.check_page import _bodies
 from vfife.report.document import Document
 from vfife.report.front import conclusion
 from vfife.report.overview import certainty

@@ -16,7 +16,8 @@ from rich.console import Console
 import vfife
 from vfife import gallery
 from vfife.model.mechanism import Mechanism
-from vfife.report.digits import CERTAIN, prefixed
+from vfife.report.amounts import prefixed
+from vfife.report.digits import CERTAIN
 from vfife.report.overview import certainty, errors, joint_table, overview, uncertain
 from vfife.report.run import facts, tables
 from vfife.report.terminal import write
@@ -285,13 +286,13 @@ def test_a_clearance_is_called_radial_before_and_after_a_run_and_in_all_starters
     from pathlib import Path
 
     import vfife.modelfile
-    from vfife.report import check, front
+    from vfife.report import check_page, front
 
     assert "joint (radial)" in text(result().summary)
     page = str(front.front_page(result().summary, None).parts)
     assert "radial: half of the difference of the diameters" in page and "radial) differs most" in page
     entries = [{"name": "A", "kind": "clearance", "bearing": "", "journal": "", "clearance": 1e-3}]
-    table = list(check._joints([entry | {"expected_force": None} for entry in entries], None))
+    table = list(check_page._joints([entry | {"expected_force": None} for entry in entries], None))
     assert "radial: half of the difference of the diameters" in str(table)
     for starter in Path(vfife.modelfile.__file__).parent.glob("templates/*.toml"):
         model = starter.read_text("utf-8")

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from vfife.measures.values import Measured
 from vfife.numerics.outward import DOWN, UP, rounded, significant_range
-from vfife.report.digits import deviations, interval, percent, quantities
+from vfife.report.amounts import deviations, interval, percent, quantities
 
 PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "": 1.0, "m": 1e-3, "µ": 1e-6, "n": 1e-9}
 sizes = st.floats(1e-8, 1e8)

@@ -9,7 +9,8 @@ import pytest
 import vfife
 from vfife.modelfile import loads
 from vfife.numerics.outward import UP
-from vfife.report.digits import prefixed, shaking_text
+from vfife.report.amounts import prefixed
+from vfife.report.digits import shaking_text
 from vfife.report.run import document
 from vfife.report.summary import run_summary, summary_text
 from vfife.report.terminal import as_text

@@ -21,7 +21,8 @@ from vfife.measures.catalogue import measures
 from vfife.measures.error_ranges import over_turns
 from vfife.measures.extrapolation import SCATTER_OF_MEANS, error_of_mean, error_range
 from vfife.measures.values import Measured
-from vfife.report.digits import amount, decimals, measure_text, percent, plain_number, prefixed
+from vfife.report.amounts import amount, decimals, percent, prefixed
+from vfife.report.digits import measure_text, plain_number
 from vfife.report.summary import show
 from vfife.report.trust import scatter_over_turns, verdict
 from vfife.simulation.result import Result

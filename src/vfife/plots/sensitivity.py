@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib import rc_context
 
 from ..measures.values import NOT_ESTIMATED
-from ..report.digits import decimals, fixed_point
+from ..report.amounts import decimals, fixed_point
 from .overlay import overlay
 from .style import (
     BLUE,

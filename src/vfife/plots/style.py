@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 
 from ..files import replacement
 from ..measures.values import Measured
-from ..report.digits import CERTAIN, interval
+from ..report.amounts import interval
+from ..report.digits import CERTAIN
 
 Array = NDArray[np.float64]
 BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#56B4E9", "#CC79A7"

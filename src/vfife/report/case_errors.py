@@ -10,7 +10,7 @@ from ..numerics.outward import UP
 from ..results.case_errors import NOT_ESTIMATED
 from ..solvers.companions import SENSITIVE
 from ..store.studyfile import REPEATS
-from .digits import Digits, quantity
+from .amounts import Digits, quantity
 from .document import Caution, Paragraph, Part, Table
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from ..laws.contact.forms import PointContact
 from ..measures.turn_peaks import DampedPeaks, RaisedPeaks, contact_laws, damped_peaks, raised_peaks
 from ..numerics.outward import DOWN, significant
-from .digits import prefixed
+from .amounts import prefixed
 
 if TYPE_CHECKING:
     from ..laws import ContactLaw

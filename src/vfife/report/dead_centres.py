@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 from ..kinematics.drives import guide_of
 from ..measures.values import NOT_ESTIMATED
 from ..numerics.outward import UP, exponent
-from .digits import Json, fixed_point, is_estimated, prefixed, uncertainty
+from .amounts import fixed_point, prefixed
+from .digits import Json, is_estimated, uncertainty
 from .document import Table
 
 if TYPE_CHECKING:

@@ -10,9 +10,9 @@ from ..laws.materials import EXAMPLE_COEFFICIENT, EXAMPLE_LUBRICATION
 from ..measures.catalogue import differentiable
 from ..measures.wear import SIDES
 from ..model.surfaces import body_of, surface_words
+from .amounts import large_numbers, life_words, percent, prefixed, quantities, turns_words
 from .cautions import rebound_cautions
 from .design_words import UNKNOWN, and_words, end, quantity_of, sentence, words
-from .digits import large_numbers, life_words, percent, prefixed, quantities, turns_words
 from .document import Bullets, Document, Facts, Figure, Paragraph, Part, Section, Table
 from .fits import fit_cautions, fit_sentence, fits_data
 from .overview import settling_options

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .digits import quantity
+from .amounts import quantity
 
 if TYPE_CHECKING:
     from ..assessment.answer import Design

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..job.progress import counted
 from ..measures.chaos import CHAOTIC, NO_POINTS, STEP_UNKNOWN, TEST_POINTS, UNDECIDED
-from .digits import quantity
+from .amounts import quantity
 from .document import Document, Paragraph, Table, paragraphs
 
 if TYPE_CHECKING:

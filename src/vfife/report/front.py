@@ -15,8 +15,9 @@ from pathlib import Path
 
 from ..errors import VfifeError
 from ..files import read_bytes
+from .amounts import interval, prefixed
 from .design_words import and_words, or_words
-from .digits import Json, ideal_force_text, interval, is_undetermined, prefixed, uncertainty
+from .digits import Json, ideal_force_text, is_undetermined, uncertainty
 from .document import Element, Facts, Paragraph, Part, Section, Table
 from .noise import blow, rivals
 from .overview import certainty, clearance_note, joint_table

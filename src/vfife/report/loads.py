@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from ..kinematics.table_peak import table_peak
-from .digits import Json, prefixed
+from .amounts import prefixed
+from .digits import Json
 
 if TYPE_CHECKING:
     from ..kinematics.full_turn import FullTurn

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ..job.progress import counted
 from ..measures.values import NOT_ESTIMATED
 from ..numerics.outward import exponent
-from .digits import fixed_point, interval
+from .amounts import fixed_point, interval
 from .document import Document, Paragraph, Part, Table
 
 if TYPE_CHECKING:

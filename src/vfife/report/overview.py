@@ -12,23 +12,21 @@ from ..numerics.scalar import log10, power
 from ..solvers.status import Status
 from ..units import in_rpm
 from . import dead_centres
+from .amounts import WIDE, interval, prefixed
 from .digits import (
     ABOUT_ZERO,
     CERTAIN,
     RADIAL,
     SCATTER,
-    WIDE,
     Json,
     ideal_force_text,
     ideal_shaking_text,
-    interval,
     is_about_zero,
     is_estimated,
     is_undetermined,
     largest_of_turns,
     largest_text,
     over_turns,
-    prefixed,
     shaking_text,
     sum_text,
     turns_text,

@@ -18,9 +18,9 @@ from ..modelfile.csvtables import CURVES
 from ..modelfile.parameter import Parameter
 from ..modelfile.tables import CSV
 from ..units import in_rpm
+from .amounts import prefixed
 from .case_errors import error_table, study_cautions
 from .check import mechanism_parts
-from .digits import prefixed
 from .document import (
     Bullets,
     Document,

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 from ..measures.statics import EXACT
 from ..measures.stops import stop_sentence
 from ..measures.values import NOT_ESTIMATED
+from .amounts import amount, prefixed
 from .design_words import and_words
 from .digits import (
     Json,
-    amount,
     estimate_mark,
     ideal_shaking_text,
     is_about_zero,
@@ -18,7 +18,6 @@ from .digits import (
     largest_of_turns,
     measure_text,
     plain_number,
-    prefixed,
     range_text,
     shaking_text,
     sum_text,

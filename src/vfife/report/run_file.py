@@ -13,17 +13,8 @@ from ..measures.stops import stop_sentence
 from ..numerics.outward import significant_range
 from ..solvers.status import Status
 from . import dead_centres
-from .digits import (
-    Json,
-    interval,
-    is_about_zero,
-    is_estimated,
-    is_undetermined,
-    percent,
-    plain_number,
-    range_text,
-    turns_text,
-)
+from .amounts import interval, percent
+from .digits import Json, is_about_zero, is_estimated, is_undetermined, plain_number, range_text, turns_text
 from .document import Caution, Document, Facts, Paragraph, Part, Table, grouped
 from .overview import certainty, heading_sentence, moment_texts, overview
 from .run_tables import force_text

@@ -11,32 +11,27 @@ from ..measures.values import NOT_ESTIMATED
 from ..model.surfaces import surface_words
 from ..numerics.outward import DOWN, NEAREST, UP, exponent, rounded
 from . import dead_centres
-from .digits import (
+from .amounts import WIDE, amount, deviations, interval, percent, prefixed
+from .digits import (  # fmt: skip
     ABOUT_ZERO,
     CERTAIN,
     NOT_DETERMINED,
     SCATTER,
-    WIDE,
     Json,
-    amount,
-    deviations,
     estimate_mark,
     forces_of,
-    interval,
     is_about_zero,
     is_estimated,
     is_ideal_zero,
     is_undetermined,
     largest_text,
     measure_text,
-    percent,
-    prefixed,
     share_text,
     uncertainty,
     unit_of,
     value_text,
     wide_range,
-)  # fmt: skip
+)
 from .document import Table, grouped
 from .trust import over_several_turns
 

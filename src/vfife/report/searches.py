@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .digits import quantities, quantity
+from .amounts import quantities, quantity
 from .document import Caution, Document, Paragraph, Part, Table
 from .study import IMPACT_SPEED, NO_IMPACT, measure_words, no_blows
 

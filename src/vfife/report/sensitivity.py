@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..measures.values import NOT_ESTIMATED
 from ..numerics.outward import DOWN, UP, significant_range
-from .digits import decimals, fixed_point, quantities, quantity
+from .amounts import decimals, fixed_point, quantities, quantity
 from .document import Caution, Document, Paragraph, Part, Table, paragraphs
 
 if TYPE_CHECKING:

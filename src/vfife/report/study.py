@@ -14,8 +14,8 @@ from ..measures.catalogue import COUNTED
 from ..numerics.outward import DOWN, NEAREST, UP, significant
 from ..results.case_errors import NOT_ESTIMATED
 from ..store.lock import holder
+from .amounts import Digits, prefixed, quantities, quantity, quantity_of_digits
 from .case_errors import digits_of, error_table, error_words, errors_data, sensitivity_data, study_cautions
-from .digits import Digits, prefixed, quantities, quantity, quantity_of_digits
 from .document import Caution, Document, Paragraph, Part, Table
 
 if TYPE_CHECKING:

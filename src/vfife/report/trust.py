@@ -13,8 +13,9 @@ from ..measures.trust import HALVINGS, trust
 from ..measures.values import NOT_ESTIMATED
 from ..solvers.companions import SENSITIVE
 from ..solvers.status import Status
+from .amounts import deviations, interval, prefixed
 from .design_words import and_words
-from .digits import NOT_DETERMINED, Json, deviations, interval, is_undetermined, prefixed, unit_of
+from .digits import NOT_DETERMINED, Json, is_undetermined, unit_of
 
 if TYPE_CHECKING:
     from ..results.run_data import RunData

@@ -10,7 +10,7 @@ from ..job.progress import counted
 from ..laws.materials import OILED, PAIRS, SCATTER
 from ..measures.values import NOT_ESTIMATED
 from ..model.functions import turn_of
-from .digits import life_words, turns_words
+from .amounts import life_words, turns_words
 from .document import Document, Table, paragraphs
 
 if TYPE_CHECKING:

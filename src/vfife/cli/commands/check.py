@@ -21,7 +21,7 @@ from ...modelfile.paths import override
 from ...modelfile.reader import Written
 from ...modelfile.tables import Table
 from ...report import check as described
-from ...report.check import document
+from ...report.check_page import document
 from ...report.freedom import freedom
 from ...report.loads import loads
 from ...schema import Chosen, described_fields, meaning_of
