@@ -35,7 +35,8 @@ from vfife.store.runfile import RunFile
 from vfife.studies import forecast
 from vfife.studies.engine import study_engine
 from vfife.studies.methods import derivatives
-from vfife.studies.methods.derivatives import matching, without_points
+from vfife.studies.methods.derivable import matching
+from vfife.studies.methods.derivatives import without_points
 from vfife.tribology.simulate_wear import WearSimulation
 
 PLAY = {"play": {"path": "joint.C.clearance", "fit": "H8/f7", "diameter": "20 mm"}}
