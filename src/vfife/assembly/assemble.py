@@ -33,6 +33,7 @@ from .assembled import Assembly, StepChoice
 from .checks import (
     missed,
     other_outputs,
+    outside_tables,
     redundant,
     refuse_deep,
     refuse_idle,
@@ -318,7 +319,7 @@ def finished(
     usual = shared_notes("surfaces", (mechanism.joints, *materials), lambda: cautions(mechanism))
     strange = shared_notes("loads", (mechanism.loads,), lambda: _load_cautions(mechanism))
     notes = usual + contradictions(mechanism) + strange + missed(mechanism, choice, layout, state)
-    notes += gear_cautions(mechanism.gears)
+    notes += gear_cautions(mechanism.gears) + outside_tables(mechanism, choice)
     if not choice.automatic:
         length = length_of(mechanism, request.turns, request.duration, choice.turn)
         notes += other_outputs(mechanism, choice, length)

@@ -22,6 +22,7 @@ from ..kernels.topology import FREE, PLACE_ROWS, Topology
 from ..kinematics.drives import constraint_drivers, spinless
 from ..kinematics.forces import driven_body
 from ..model.bodies import Link, PointMass
+from ..model.drivers import AngleTable
 from ..model.mechanism import Mechanism
 from ..model.rows import Coincide, Turn
 from ..numerics import dense
@@ -306,6 +307,21 @@ def missed(mechanism: Mechanism, choice: StepChoice, layout: Layout, state: Arra
         f'Take at most {allowed:.4g} s, or "auto".'
         for name, allowed in limits
         if choice.step > allowed
+    )
+
+
+def outside_tables(mechanism: Mechanism, choice: StepChoice) -> tuple[str, ...]:
+    """Return a caution for each driver whose table of angles or travels ends before the run does: the cubic
+    of its last piece goes on, and leaves any reasonable motion soon.
+    """
+    end = mechanism.clock + choice.step * choice.steps
+    return tuple(
+        f"The table of driver {name} ends at {driver.times[-1]:.4g} s, and the run at {end:.4g} s: beyond the"
+        " table the cubic of its last piece continues. End the run with the table, or lengthen it."
+        for name, driver in mechanism.drivers.items()
+        if isinstance(driver, AngleTable)
+        and mechanism.settings.analysis != "static"
+        and end > (1.0 + LONGER) * driver.times[-1]
     )
 
 

@@ -22,7 +22,7 @@ from ..kinematics.forces import Datum
 from ..kinematics.initial import Motion, datum_of, ideal_motion
 from ..kinematics.start import Seat
 from ..model.bodies import Body, Link, RigidBody
-from ..model.functions import turn_of
+from ..model.functions import shortest_turn
 from ..model.lumping import Mesh, mesh
 from ..model.mechanism import Mechanism
 from ..numerics.elementwise import atan2, cos, hypot, sin, sincos
@@ -283,7 +283,7 @@ def prestress(mechanism: Mechanism, seats: Mapping[str, Seat]) -> PrestressedSta
     motion, shapes, rigid = settle(
         mechanism, 0.0, {name: straight(link) for name, link in links.items()}, zeros, seats, datum
     )
-    turn = turn_of(mechanism)
+    turn = shortest_turn(mechanism)
     if not kinematic_drivers(mechanism) or turn is None:
         velocity = {
             name: (

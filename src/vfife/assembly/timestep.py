@@ -23,7 +23,8 @@ from ..errors import Fault, ModelError, StepError, VfifeError
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
 from ..kinematics.initial import attempt
-from ..model.functions import turn_of
+from ..model.drivers import AngleTable
+from ..model.functions import NO_CRANK, turn_of
 from ..model.mechanism import Mechanism, Settings
 from ..numerics.elementwise import hypot
 from .assembled import StepChoice
@@ -338,7 +339,8 @@ def _limits(models: StepModels, stiffness: Array) -> Limits:
 
 def length_of(mechanism: Mechanism, turns: float | None, duration: float | None, turn: float | None) -> float:
     """Return the length of a run (s): that of its arguments, else of the settings, else two turns of the
-    driver, ``turn`` (s) each, else one second. Raises ModelError for turns without a crank.
+    driver, ``turn`` (s) each, else up to the end of the drivers' tables, else one second. Raises ModelError
+    for turns without a crank.
     """
     settings = mechanism.settings
     if turns is None and duration is None:
@@ -347,20 +349,14 @@ def length_of(mechanism: Mechanism, turns: float | None, duration: float | None,
         return duration
     if turn is None:
         if turns is not None:
-            remedy = "give a duration in seconds instead, or drive a body"
+            remedy = "give a duration in seconds instead, or drive a body with a speed"
             raise ModelError(
-                [
-                    Fault(
-                        "turns",
-                        "no driver turns a body continuously, so there are no turns",
-                        f"{turns:g}",
-                        "",
-                        remedy,
-                    )
-                ],
+                [Fault("turns", f"{NO_CRANK}, so there are no turns to count", f"{turns:g}", "", remedy)],
                 mechanism.name,
             )
-        return 1.0
+        tables = [driver for driver in mechanism.drivers.values() if isinstance(driver, AngleTable)]
+        left = max((driver.times[-1] for driver in tables), default=0.0) - mechanism.clock
+        return left if left > 0.0 else 1.0
     return (2.0 if turns is None else turns) * turn
 
 

@@ -300,6 +300,7 @@ def actuator_powers(record: Record, window: Window) -> dict[str, float]:
 
 IDLE = 1e-3  # share of output and losses below which the output is rounding
 OPEN = 1e-5  # share of the largest energy below which the output is the remainder of an exchange
+ONE_WAY = 0.99  # share of its path by which a body advances that turns one way
 ZERO_MEAN = 1e-6  # share of the torque's range below which its mean is zero
 
 
@@ -308,7 +309,8 @@ def driving(record: Record, window: Window) -> dict[str, float]:
     step.
 
     ``<driven body>.torque.mean`` (N m) = work/angle, ``.torque.ripple`` (1) = (max - min of the torque at the
-    outputs) over the size of the mean, ``.power.mean`` (W) = work/time.
+    outputs) over the size of the mean, ``.power.mean`` (W) = work/time. A body that turns back has no mean
+    torque: it would be the work over what remains of the angle.
     """
     values: dict[str, float] = {}
     has_torque = record.keeps("driven_torque")  # companions do not record it
@@ -321,7 +323,8 @@ def driving(record: Record, window: Window) -> dict[str, float]:
         work = turn.block("driven_work")[:, body.driven] - half * turn.block("driven_power")[:, body.driven]
         angle = turn.block("particle_theta")[:, part.assembly.topology.driven[body.driven]]
         values[f"{name}.power.mean"] = float((work[-1] - work[0]) / (time[-1] - time[0]))
-        if abs(turned := float(angle[-1] - angle[0])) > 1e-9:
+        turned, path = float(angle[-1] - angle[0]), float(np.abs(np.diff(angle)).sum())
+        if abs(turned) > max(1e-9, ONE_WAY * path):
             mean = values[f"{name}.torque.mean"] = float(work[-1] - work[0]) / turned
             torque = part.block("driven_torque")[inside, body.driven] if has_torque else np.zeros(1)
             reach = float(torque.max() - torque.min())

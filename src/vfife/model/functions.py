@@ -44,7 +44,17 @@ def turning_speed(driver: Driver) -> float:
 
 
 def turn_of(mechanism: Mechanism) -> float | None:
-    """Return the period (s) of a turn of the fastest driven body, or None."""
+    """Return the period (s) of a turn of the body that is driven fastest at a constant speed, or None.
+
+    A table of angles has no turns: it may dwell, swing, or turn at any speed.
+    """
+    speeds = (turning_speed(driver) for driver in mechanism.drivers.values() if driver.has_turns)
+    speed = max(speeds, default=0.0)
+    return 2.0 * math.pi / speed if speed > 0.0 else None
+
+
+def shortest_turn(mechanism: Mechanism) -> float | None:
+    """Return the period (s) of a turn at the largest speed (rad/s) of any driven body, or None."""
     speed = max((turning_speed(driver) for driver in mechanism.drivers.values()), default=0.0)
     return 2.0 * math.pi / speed if speed > 0.0 else None
 

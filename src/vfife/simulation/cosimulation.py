@@ -46,6 +46,7 @@ class Steered(Driver):
 
     speed: float = 0.0
     revolves = True
+    has_turns = True
 
     def motion(self, offset: float = 0.0) -> Polynomials:
         """Return the motion (rad or m), plus ``offset``."""

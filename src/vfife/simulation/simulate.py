@@ -131,7 +131,7 @@ def simulate(mechanism: Mechanism, **options: Unpack[SimulationOptions]) -> Resu
     ``step``
     turns: of the crank, or
     duration: of the run (s, or a text with a unit); without both, as the settings of the mechanism, else two
-    turns, or one second without a crank
+    turns, without a crank the time of the drivers' tables, or one second
     step: time step (s, or a text with a unit), or "auto". An automatic step is halved, at most twice, while
     run and companions differ by more than the tolerance of the settings or first contacts are deeper than a
     joint allows

@@ -18,6 +18,7 @@ class ConstantSpeed(Driver):
     }
     sample: ClassVar[dict[str, Any]] = {"speed": 5.0}
     revolves = True
+    has_turns = True
     lead = "speed"
 
     speed: float = quantity("rad/s", "angular velocity", linear=quantity("m/s", "velocity"))

@@ -36,6 +36,7 @@ class Driver(Kind):
     drives: ClassVar[tuple[str, ...]] = ("body", "slider", "point")  # what it can act on
     tabled: ClassVar[bool] = True  # a model file may have its table in a CSV file beside it
     revolves: ClassVar[bool] = False  # may turn a body round and round
+    has_turns: ClassVar[bool] = False  # does so at a constant speed, at least in the end: its turns are equal
     registry: ClassVar[dict[str, type[Driver]]] = {}
 
     @property

@@ -18,6 +18,7 @@ class Ramp(Driver):
     kind = "ramp"
     sample: ClassVar[dict[str, Any]] = {"speed": 5.0, "duration": 0.1}
     revolves = True
+    has_turns = True
     lead = "speed"
 
     speed: float = quantity("rad/s", "angular velocity", linear=quantity("m/s", "velocity"))
