@@ -156,7 +156,7 @@ MISTAKES: dict[str, tuple[Callable[[], Any], tuple[str, ...]]] = {
     ),
     "turns where nothing turns": (
         lambda: vfife.simulate(machine(), turns=1),
-        ("turns = 1", "no driver", "duration"),
+        ("turns = 1", "no crank", "duration"),
     ),
     "a misspelt setting": (lambda: vfife.Settings(turn=2), ("[run] turn", "no such keyword", 'mean "turns"')),  # type: ignore[call-arg]
     "a misspelt path": (

@@ -24,7 +24,7 @@ from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
 from ..kinematics.initial import attempt
 from ..model.drivers import AngleTable
-from ..model.functions import NO_CRANK, turn_of
+from ..model.functions import NO_CRANK, shortest_turn, turn_of
 from ..model.mechanism import Mechanism, Settings
 from ..numerics.elementwise import hypot
 from .assembled import StepChoice
@@ -111,8 +111,8 @@ class StepModels:
 
 @dataclass(frozen=True)
 class Times:
-    """Times (s) of a run: a ``turn`` of its crank, its ``length``, and the period of free motions,
-    ``period``.
+    """Times (s) of a run: a ``turn`` of its crank, its ``length``, and the shortest ``period`` of free motions
+    and of turns at the largest speed of a driver.
     """
 
     turn: float | None
@@ -140,7 +140,9 @@ def _choice(models: StepModels, case: int, bounds: Bounds, request: StepRequest)
     mechanism, layout, state = models.mechanisms[case], models.layout, models.states[case]
     turn = turn_of(mechanism)
     length = length_of(mechanism, request.turns, request.duration, turn)
-    period = _time_scale(mechanism, layout, state, length) if models.free[case] or not turn else math.inf
+    pace = shortest_turn(mechanism)
+    period = _time_scale(mechanism, layout, state, length) if models.free[case] or not pace else math.inf
+    period = min(period, pace or math.inf)
     motions = partial(functions_of, mechanism, layout, state, length)
     return step_within(mechanism.settings, bounds, Times(turn, length, period), motions, request)
 
