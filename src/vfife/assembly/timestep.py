@@ -111,8 +111,8 @@ class StepModels:
 
 @dataclass(frozen=True)
 class Times:
-    """Times (s) of a run: a ``turn`` of its crank, its ``length``, and the shortest ``period`` of free motions
-    and of turns at the largest speed of a driver.
+    """Times (s) of a run: a ``turn`` of its crank, its ``length``, and the shortest ``period`` of free
+    motions and of turns at the largest speed of a driver.
     """
 
     turn: float | None

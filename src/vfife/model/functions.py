@@ -59,6 +59,26 @@ def shortest_turn(mechanism: Mechanism) -> float | None:
     return 2.0 * math.pi / speed if speed > 0.0 else None
 
 
+def repeats_each_turn(mechanism: Mechanism) -> bool:
+    """Return whether all that drives and loads a mechanism is the same in each turn of its crank.
+
+    It is not where a motion is not a constant speed, speeds or gears differ, a torque or a load depends on
+    time, or a table over angles goes on, or closes after several turns.
+    """
+    drivers = mechanism.drivers.values()
+    speeds = [driver.steady_speed for driver in drivers if driver.moves]
+    travels = any(driver.steady_speed for driver in drivers if driver.moves and driver.is_linear)
+    efforts = (driver for driver in drivers if not driver.moves)
+    return (
+        None not in speeds
+        and not travels
+        and len({abs(speed) for speed in speeds if speed}) <= 1
+        and all(effort.steady and effort.argument != "angle" for effort in efforts)
+        and all(load.repeats_each_turn for load in mechanism.loads.values())
+        and all(abs(gear.ratio) == 1.0 for gear in mechanism.gears.values())
+    )
+
+
 def crank_faults(mechanism: Mechanism, consequence: str, remedy: str = "drive a body") -> list[Fault]:
     """Return a fault, with its ``consequence`` and ``remedy``, for a mechanism without a crank of constant
     speed.

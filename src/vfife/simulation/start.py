@@ -18,6 +18,7 @@ from ..kinematics.batch import Shared, Structures
 from ..kinematics.initial import Motion
 from ..measures.catalogue import LOADS
 from ..measures.error_ranges import own_ranges
+from ..model.functions import repeats_each_turn
 from ..model.mechanism import Mechanism
 from ..results.continuation import (
     States,
@@ -82,20 +83,27 @@ def ideal_of(
 ) -> Assembly | None:
     """Return the assembled ideal mechanism, or None if it is not :func:`comparable`.
 
-    With constant driver speeds one turn is enough; otherwise it runs as long as the mechanism, from its
+    One turn is enough if each turn is the same; otherwise it runs as long as the mechanism, from its
     ``start``. ``motion``: start of the mechanism, if solved before.
     """
     if not comparable(mechanism):
         return None
-    # An ideal mechanism at constant speed repeats its first turn exactly, so one turn from any start
-    # suffices.
-    if all(driver.steady_speed is not None for driver in mechanism.drivers.values() if driver.moves):
-        turns, duration, start = 1.0, None, None
     ideal = mechanism.ideal()
+    # An ideal mechanism repeats its first turn exactly if its drivers leave nothing free and all that acts on
+    # it repeats, so one turn from any start suffices.
+    if repeats_each_turn(mechanism):
+        assembly = assemble(ideal, loop_of=mechanism, turns=1.0, motion=motion)
+        if driven_throughout(assembly):
+            return assembly
     state = None if start is None else initial_state(start, ideal)
     return assemble(
         ideal, loop_of=mechanism, turns=turns, duration=duration, start_state=state, motion=motion
     )
+
+
+def driven_throughout(assembly: Assembly) -> bool:
+    """Return whether drivers determine the whole motion of an ideal mechanism."""
+    return assembly.mobility is None or assembly.mobility.after_drives == 0
 
 
 def ideals_of(
@@ -110,14 +118,11 @@ def ideals_of(
     assemblies: dict[int, Assembly | VfifeError | None] = {
         k: None for k, mechanism in enumerate(mechanisms) if not comparable(mechanism)
     }
-    steady = {
-        k: all(driver.steady_speed is not None for driver in mechanism.drivers.values() if driver.moves)
-        for k, mechanism in enumerate(mechanisms)
-    }
+    alike = {k: repeats_each_turn(mechanism) for k, mechanism in enumerate(mechanisms)}
     shared = Shared()
-    # Two batches, since all mechanisms of a batch have the same length: one turn at constant speed, else all.
-    for length, constant in ((1.0, True), (turns, False)):
-        indices = [k for k in steady if k not in assemblies and steady[k] == constant]
+    # Two batches, since all mechanisms of a batch have one length: a turn if each is the same, else all.
+    for length, one in ((1.0, True), (turns, False)):
+        indices = [k for k in alike if k not in assemblies and alike[k] == one]
         models = [mechanisms[k] for k in indices]
         ideals = [mechanism.ideal(shared) for mechanism in models]
         assembled = assemble_all(
@@ -129,7 +134,11 @@ def ideals_of(
             turns=length,
             structures=structures,
         )
-        assemblies |= dict(zip(indices, assembled, strict=True))
+        for k, ideal in zip(indices, assembled, strict=True):
+            if one and isinstance(ideal, Assembly) and not driven_throughout(ideal):
+                alike[k] = False  # runs in the second batch
+            else:
+                assemblies[k] = ideal
     return [assemblies[k] for k in range(len(mechanisms))]
 
 

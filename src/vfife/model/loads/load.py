@@ -185,6 +185,17 @@ class Load(Kind):
         )
 
     @property
+    def repeats_each_turn(self) -> bool:
+        """Whether it is the same in each turn of a crank: not over time, nor over angles unless its table
+        repeats with a turn or a part of it.
+        """
+        if self.axis != "angles":
+            return self.axis != "times"
+        period = self.places[-1] - self.places[0]
+        count = round(2.0 * math.pi / period) if period > 0.0 else 0
+        return self.repeats and count >= 1 and abs(count * period - 2.0 * math.pi) < 1e-9
+
+    @property
     def ends(self) -> tuple[float, ...]:
         """First and last value of its table or expression; empty if it has neither."""
         way = self.way(self.values, self.expression)
