@@ -79,4 +79,6 @@ def test_a_case_of_a_study_has_the_same_reference() -> None:
     alone = vfife.simulate(m, companions=0)
     case = study(m, {"body.piston.mass": [0.5]}, measures=["pin.force.max", "pin.force.lip"], turns=TURNS)
     for name in ("pin.force.max", "pin.force.lip"):
-        assert float(case.to_dataframe()[name].iloc[0]) == pytest.approx(alone.measures[name].value, rel=1e-12)
+        assert float(case.to_dataframe()[name].iloc[0]) == pytest.approx(
+            alone.measures[name].value, rel=1e-12
+        )

@@ -21,7 +21,7 @@ from emulated import arm, x86
 from vfife.assembly.assemble import assemble
 from vfife.compiler.runtime import native
 from vfife.compiler.runtime import native as compiling
-from vfife.numerics import dense, elementwise, library
+from vfife.numerics import dense, elementwise, library, routine
 
 pytestmark = pytest.mark.verify
 X86 = platform.machine().lower() in ("x86_64", "amd64")
@@ -79,6 +79,17 @@ class Elsewhere:
         self.routine(*arguments)
 
 
+class Noted:
+    """A routine that counts its calls."""
+
+    def __init__(self, routine: Any) -> None:
+        self.routine, self.calls = routine, 0
+
+    def __call__(self, *arguments: Any) -> None:
+        self.calls += 1
+        self.routine(*arguments)
+
+
 def routines(
     monkeypatch: pytest.MonkeyPatch,
     name: str,
@@ -120,12 +131,15 @@ def code_for(monkeypatch) -> Iterator[Callable[..., None]]:
         else:
             found = routines(monkeypatch, HERE[kind], change=change)
         monkeypatch.undo()
-        monkeypatch.setattr(library, "compiled", lambda: found)
+        # Each routine notes its calls, so that a test which runs other code than it means fails.
+        noted = {name: Noted(one) for name, one in found.items()}
+        monkeypatch.setattr(routine, "_routines", lambda: noted)
+        in_use.extend(noted.values())
 
+    in_use: list[Noted] = []
     yield use
-    library_routines = getattr(library.compiled, "cache_clear", None)
-    if library_routines is not None:
-        library_routines()
+    library.compiled.cache_clear()
+    assert any(one.calls for one in in_use), "no routine ran in the code for another processor"
 
 
 def kinds() -> list[Any]:
