@@ -7,6 +7,7 @@ import math
 import pytest
 
 import vfife
+from vfife.measures.blows import blows
 from vfife.model.functions import repeats_each_turn
 from vfife.studies import study
 
@@ -52,6 +53,15 @@ def test_the_reference_has_the_load_of_the_turns_of_the_run(name: str) -> None:
     for joint in ("O", "pin", "guide"):
         told, expected = loose.reference.measures[f"{joint}.force.max"], ideal.measures[f"{joint}.force.max"]
         assert told.value == pytest.approx(expected.value, rel=1e-3), joint
+
+
+def test_a_load_of_every_second_turn_is_no_blow() -> None:
+    """The force of the pin is compared with the ideal one of the same turn, not of the turn before."""
+    angles = tuple(0.5 * math.pi * k for k in range(9))  # two turns, loaded in the first
+    load = {"angles": angles, "factors": (0.0, 0.5, 1.0, 0.5) + (0.0,) * 5}
+    result = vfife.simulate(slider_crank(True, **load), turns=12)
+    found = blows(result.record, result.reference.record, result.motion)
+    assert result.motion.has_several and found["P"].excess < 300.0
 
 
 def test_one_turn_suffices_where_each_is_the_same() -> None:

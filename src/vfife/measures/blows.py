@@ -46,7 +46,7 @@ def blows(record: Record, reference: Record | None, motion: Turns | None) -> dic
     little earlier or later is no blow.
     """
     rows, outputs = joint_rows(record), outputs_of_a_turn(record.assembly)
-    ideal = None if reference is None else _ideal_turn(reference, outputs)
+    ideal = None if reference is None else _ideal_turns(reference, outputs)
     if ideal is None or outputs is None or record.static or not record.keeps("contact_onsets"):
         return {}
     forces, onsets = joint_force_max(record), record.block("contact_onsets")
@@ -57,7 +57,7 @@ def blows(record: Record, reference: Record | None, motion: Turns | None) -> dic
             continue
         force, quiet = ideal[name], ~began[:, places].any(axis=1) & ~_in_impact(record, began, places)
         around = np.maximum(force, np.maximum(np.roll(force, 1), np.roll(force, -1)))
-        excess = np.where(quiet, forces[:, k] - around[(np.arange(len(forces)) - 1) % outputs], 0.0)
+        excess = np.where(quiet, forces[:, k] - around[(np.arange(len(forces)) - 1) % len(around)], 0.0)
         turns = [part.start + int(np.argmax(excess[part])) for part in windows(record, motion)]
         row = max(turns, key=excess.__getitem__)
         joints[name] = Blow(float(excess[row]), float(min(excess[turn] for turn in turns)), row)
@@ -94,14 +94,14 @@ def impact_rows(force: Array, began: Mask, touching: Mask) -> Mask:
     return inside
 
 
-def _ideal_turn(reference: Record, outputs: int | None) -> dict[str, Array] | None:
-    """Return the largest force (N) of each ideal joint between the ``outputs`` of the last full turn of the
-    ideal mechanism; None where it has other outputs, or no full turn.
+def _ideal_turns(reference: Record, outputs: int | None) -> dict[str, Array] | None:
+    """Return the largest force (N) of each ideal joint between the ``outputs`` of all full turns of the ideal
+    mechanism: of one, which repeats, or of those of the run. None where it has other outputs, or no turn.
     """
     if outputs is None or reference.static or outputs_of_a_turn(reference.assembly) != outputs:
         return None
     turns = (len(reference.steps) - 1) // outputs
     if turns == 0:
         return None
-    forces = joint_force_max(reference)[(turns - 1) * outputs + 1 : turns * outputs + 1]
+    forces = joint_force_max(reference)[1 : turns * outputs + 1]
     return {name: forces[:, k] for k, name in enumerate(joint_rows(reference))}
