@@ -178,7 +178,7 @@ BROKEN = {
         + '[spring.s]\nfirst = "ground.O"\nsecond = "ball.p"\nstiffness = 1e300\n',
         ["[spring.s] stiffness", "too large for any mechanism", "unit"],
     ),
-    "turns of a crank at rest": (CRANK.replace("speed = 100", "speed = 0"), ["driver", "duration"]),
+    "turns of a crank at rest": (CRANK.replace("speed = 100", "speed = 0"), ["no crank", "duration"]),
 }
 
 

@@ -12,7 +12,7 @@ import pytest
 import vfife
 from vfife.cli.values import separated
 from vfife.job.job import Interrupted
-from vfife.studies.methods import derivatives
+from vfife.studies.methods import derivable, derivatives
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 CRANK = EXAMPLES / "slider_crank.toml"
@@ -155,11 +155,11 @@ def test_no_derivative_is_computed_where_runs_with_other_steps_disagree_on_all_m
         raise RuntimeError("computed")
 
     monkeypatch.setattr(derivatives, "finite_changes", compute)
-    monkeypatch.setattr(derivatives, "doubtful", lambda _, names, __: frozenset(names))
+    monkeypatch.setattr(derivable, "doubtful", lambda _, names, __: frozenset(names))
     answer = vfife.sensitivity(mechanism, measures, ["driver.*"], turns=1)
     assert answer.undetermined and answer.complete and answer.doubtful == frozenset(measures)
     assert {(row["measure"], row["number"]) for row in answer.rows()} == {(name, None) for name in measures}
-    monkeypatch.setattr(derivatives, "doubtful", lambda *_: frozenset(measures[:1]))
+    monkeypatch.setattr(derivable, "doubtful", lambda *_: frozenset(measures[:1]))
     with pytest.raises(RuntimeError, match="computed"):
         vfife.sensitivity(mechanism, measures, ["driver.*"], turns=1)
 

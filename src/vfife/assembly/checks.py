@@ -22,7 +22,6 @@ from ..kernels.topology import FREE, PLACE_ROWS, Topology
 from ..kinematics.drives import constraint_drivers, spinless
 from ..kinematics.forces import driven_body
 from ..model.bodies import Link, PointMass
-from ..model.drivers import AngleTable
 from ..model.mechanism import Mechanism
 from ..model.rows import Coincide, Turn
 from ..numerics import dense
@@ -314,14 +313,14 @@ def outside_tables(mechanism: Mechanism, choice: StepChoice) -> tuple[str, ...]:
     """Return a caution for each driver whose table of angles or travels ends before the run does: the cubic
     of its last piece goes on, and leaves any reasonable motion soon.
     """
+    if mechanism.settings.analysis == "static":
+        return ()
     end = mechanism.clock + choice.step * choice.steps
     return tuple(
-        f"The table of driver {name} ends at {driver.times[-1]:.4g} s, and the run at {end:.4g} s: beyond the"
+        f"The table of driver {name} ends at {driver.end:.4g} s, and the run at {end:.4g} s: beyond the"
         " table the cubic of its last piece continues. End the run with the table, or lengthen it."
         for name, driver in mechanism.drivers.items()
-        if isinstance(driver, AngleTable)
-        and mechanism.settings.analysis != "static"
-        and end > (1.0 + LONGER) * driver.times[-1]
+        if driver.end is not None and end > (1.0 + LONGER) * driver.end
     )
 
 

@@ -23,7 +23,6 @@ from ..errors import Fault, ModelError, StepError, VfifeError
 from ..kernels.arrays import Layout
 from ..kernels.topology import Topology
 from ..kinematics.initial import attempt
-from ..model.drivers import AngleTable
 from ..model.functions import NO_CRANK, shortest_turn, turn_of
 from ..model.mechanism import Mechanism, Settings
 from ..numerics.elementwise import hypot
@@ -356,8 +355,8 @@ def length_of(mechanism: Mechanism, turns: float | None, duration: float | None,
                 [Fault("turns", f"{NO_CRANK}, so there are no turns to count", f"{turns:g}", "", remedy)],
                 mechanism.name,
             )
-        tables = [driver for driver in mechanism.drivers.values() if isinstance(driver, AngleTable)]
-        left = max((driver.times[-1] for driver in tables), default=0.0) - mechanism.clock
+        ends = (driver.end or 0.0 for driver in mechanism.drivers.values())
+        left = max(ends, default=0.0) - mechanism.clock
         return left if left > 0.0 else 1.0
     return (2.0 if turns is None else turns) * turn
 

@@ -121,8 +121,8 @@ def ideals_of(
     alike = {k: repeats_each_turn(mechanism) for k, mechanism in enumerate(mechanisms)}
     shared = Shared()
     # Two batches, since all mechanisms of a batch have one length: a turn if each is the same, else all.
-    for length, one in ((1.0, True), (turns, False)):
-        indices = [k for k in alike if k not in assemblies and alike[k] == one]
+    for length, repeats in ((1.0, True), (turns, False)):
+        indices = [k for k in alike if k not in assemblies and alike[k] == repeats]
         models = [mechanisms[k] for k in indices]
         ideals = [mechanism.ideal(shared) for mechanism in models]
         assembled = assemble_all(
@@ -135,7 +135,7 @@ def ideals_of(
             structures=structures,
         )
         for k, ideal in zip(indices, assembled, strict=True):
-            if one and isinstance(ideal, Assembly) and not driven_throughout(ideal):
+            if repeats and isinstance(ideal, Assembly) and not driven_throughout(ideal):
                 alike[k] = False  # runs in the second batch
             else:
                 assemblies[k] = ideal

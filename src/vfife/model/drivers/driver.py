@@ -98,6 +98,11 @@ class Driver(Kind):
         return "" if self.is_linear else f" ({in_rpm(speed)})"
 
     @property
+    def end(self) -> float | None:
+        """Time (s) at which the table of its motion ends; None for other motions, which have no end."""
+        return None
+
+    @property
     def unit(self) -> str:
         """Unit of the prescribed motion."""
         return "m" if self.is_linear else "rad"

@@ -45,6 +45,11 @@ class AngleTable(Driver):
         return max(abs(function(time)[1]) for time in np.linspace(self.times[0], self.times[-1], LOOKS))
 
     @property
+    def end(self) -> float:
+        """Time (s) of the last value."""
+        return self.times[-1]
+
+    @property
     def words(self) -> str:
         """Description for readers."""
         return (
