@@ -79,7 +79,9 @@ def repeats_each_turn(mechanism: Mechanism) -> bool:
     )
 
 
-def crank_faults(mechanism: Mechanism, consequence: str, remedy: str = "drive a body") -> list[Fault]:
+def crank_faults(
+    mechanism: Mechanism, consequence: str, remedy: str = "drive a body with a speed"
+) -> list[Fault]:
     """Return a fault, with its ``consequence`` and ``remedy``, for a mechanism without a crank of constant
     speed.
     """
