@@ -70,6 +70,18 @@ def test_wear_is_drawn_told_and_gone_on_with(command, tmp_path, request):
     )
 
 
+@pytest.mark.parametrize(
+    ("option", "text", "remedy"), [("--clearance", "0.8", "0.8 mm"), ("--force", "2", "2 kN")]
+)
+def test_a_limit_without_a_unit_is_questioned_before_anything_is_simulated(
+    command, tmp_path, option, text, remedy
+):
+    done = command("wear", worn_pin(tmp_path), *BRIEF, option, text, "-o", "a.wear")
+    said = " ".join(done.stderr.split())
+    assert done.exit_code == 2 and "a unit is probably missing" in said and f'"{remedy}"' in said
+    assert "forecast" not in said and not Path("a.wear").exists()
+
+
 @pytest.mark.usefixtures("unrendered")
 def test_a_limit_that_is_not_reached_is_told_with_when_it_would_be(command, tmp_path):
     """Life is more than the turns that were asked for; the later one is the last slope of the clearance over

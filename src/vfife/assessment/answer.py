@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import ModelError
 from ..laws.materials import SCATTER
 from ..measures.catalogue import unit_of
 from ..model.functions import turn_of
@@ -20,6 +21,7 @@ from ..results.derivatives import Effect, Sensitivity
 from ..studies.spec.distributions import SIGMAS
 from ..studies.study_work import Allocation
 from ..tribology.wear_state import Worn
+from ..units import unit_fault
 from .ranking import Rank
 from .sample import MachineSample, growth_of
 
@@ -256,6 +258,15 @@ def clearances(mechanism: Mechanism) -> dict[str, float]:
     """Return the clearances (m) of the joints that have one."""
     pairs = ((name, getattr(joint, "clearance", None)) for name, joint in mechanism.contacts.items())
     return {name: clearance for name, clearance in pairs if clearance}
+
+
+def refuse_unlikely(limit: float | str | None, measure: str, nominal: float | None) -> None:
+    """Raise ModelError for a limit without a unit that is far from the ``nominal`` value (SI) of its
+    measure.
+    """
+    origin = f"{measure} with the clearances of the model"
+    if fault := unit_fault("limit", limit, unit_of(measure), nominal, origin):
+        raise ModelError([fault], "design()")
 
 
 def path_of(joint: str) -> str:
