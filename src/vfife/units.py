@@ -14,6 +14,8 @@ from typing import Any, NamedTuple
 
 from .errors import Fault, kind_of, shown
 
+IMPROBABLE = 100.0  # ratio of a bare number to the value that it limits: more is questioned
+PREFIXED = {1e3: "k", 1e6: "M", 1e-3: "m", 1e-6: "u"}
 # Exponents of m, kg, s and rad.
 Exponents = tuple[Fraction, Fraction, Fraction, Fraction]
 
@@ -213,6 +215,27 @@ def is_bare(text: str) -> bool:
     """Return whether a text is a number without a unit."""
     match = _NUMBER.fullmatch(text.strip())
     return match is not None and not match[2]
+
+
+def unit_fault(place: str, text: Any, unit: str, size: float | None, origin: str) -> Fault | None:
+    """Return the fault of a bare number whose unit was probably forgotten: the value (SI) that it limits has
+    a ``size`` that is a hundred times larger or smaller. None for a text with a unit, and for a number that
+    is no text. ``origin``: the value that has this size.
+    """
+    if not isinstance(text, str) or not is_bare(text) or unit == "1" or not size:
+        return None
+    ratio = abs(number(text, unit) / size)
+    if not ratio or 1.0 / IMPROBABLE < ratio < IMPROBABLE:
+        return None
+    factor = next((factor for factor in PREFIXED if 0.1 < factor * ratio < 10.0), 1.0)
+    likely_unit = f"{PREFIXED.get(factor, '')}{unit}"
+    reason = (
+        f"a unit is probably missing: numbers without a unit are in {unit}, and {origin} is {size:.4g} {unit}"
+    )
+    remedy = f'write "{text.strip()} {likely_unit}"'
+    if likely_unit != unit:
+        remedy += f', or "{text.strip()} {unit}" if that is meant'
+    return Fault(place, reason, text, "", remedy)
 
 
 def in_rpm(speed: float) -> str:

@@ -47,6 +47,15 @@ def stand_in(monkeypatch: pytest.MonkeyPatch, answer: Design) -> list[dict[str, 
     return keywords
 
 
+def test_a_limit_without_a_unit_is_questioned_before_the_machines_run(command: Callable) -> None:
+    done = command("design", MODEL, *BRIEF, "--limit", "4")
+    said = " ".join(done.stderr.split())
+    assert done.exit_code == 2 and "a unit is probably missing" in said, said
+    assert 'Write "4 kN", or "4 N" if that is meant' in said and "pin.force.max" in said
+    done = command("design", MODEL, *BRIEF, "--clearance", "0.4")
+    assert done.exit_code == 2 and 'Write "0.4 mm"' in " ".join(done.stderr.split())
+
+
 @pytest.mark.slow("derivatives, machines and wear")
 def test_the_answer_of_the_command_is_that_of_python(command: Callable, answer: Design) -> None:
     done = command("design", MODEL, *BRIEF, "--json", "-o", "page.json")

@@ -1,6 +1,7 @@
 """`vfife plot`: which figures, into which files, and what is not replaced."""
 
 import os
+import re
 import signal
 from collections.abc import Callable
 from pathlib import Path
@@ -9,6 +10,7 @@ import pytest
 
 from vfife import plots
 from vfife.cli.commands import result as of_the_command
+from vfife.cli.commands.result import run_names
 from vfife.plots.catalogue import FIGURES
 from vfife.store.folder import PICTURES, is_own
 
@@ -33,12 +35,41 @@ def test_figures_that_are_there_are_replaced_with_force_only(command: Callable, 
     assert Path("drawn/energy.png").read_bytes().startswith(HEADS["png"])
 
 
+def pictured(path: str) -> list[str]:
+    """The lines of a drawing without its date and its names of parts."""
+    return re.findall(r'<path d="([^"]*)"', Path(path).read_text())
+
+
+@pytest.mark.parametrize(
+    ("texts", "count", "names"),
+    [
+        (["new,worn, old"], 3, ["new", "worn", "old"]),
+        (["new", "worn,old"], 3, ["new", "worn", "old"]),
+        (["big-end 80 µm, small-end 32 µm", "new"], 2, ["big-end 80 µm, small-end 32 µm", "new"]),
+        (["new, as built"], 1, ["new, as built"]),
+        ([], 2, []),
+    ],
+)
+def test_names_of_runs_have_commas_between_them(texts: list[str], count: int, names: list[str]) -> None:
+    """A name with a comma stays whole where each run has its own option."""
+    assert run_names(texts, count) == names
+
+
+def test_commands_of_one_run_name_the_command_that_overlays_runs(command: Callable) -> None:
+    for name in ("report", "animate"):
+        done = command(name, "a", "b")
+        said = " ".join(done.stderr.replace("│", " ").split())
+        assert done.exit_code == 2 and "is of one run. vfife plot RUN RUN overlays runs" in said, said
+
+
 def test_several_runs_are_overlaid(command: Callable, case_c_run: Path) -> None:
     line = ["plot", case_c_run, case_c_run, "--figure", "forces,phase", "--label", "new", "--label", "worn"]
     done = command(*line, "-o", "both")
     assert done.exit_code == 0 and done.stdout == "both/forces.png\nboth/phase.png\n"
     svg = command(*line[:3], "--figure", "forces", "--label", "new", "--label", "worn <&>", "-o", "f.svg")
     assert svg.stdout == "f.svg\n" and Path("f.svg").read_bytes().startswith(HEADS["svg"])
+    commas = command(*line[:3], "--figure", "forces", "--label", "new, worn <&>", "-o", "g.svg")
+    assert commas.exit_code == 0 and pictured("g.svg") == pictured("f.svg")
     usual = command("plot", case_c_run, case_c_run)
     folder = case_c_run.with_name(f"{case_c_run.stem}-and-{case_c_run.stem}")
     assert usual.stdout.splitlines()[0] == f"{folder}/orbits.png"
@@ -48,6 +79,7 @@ def test_several_runs_are_overlaid(command: Callable, case_c_run: Path) -> None:
     for options, words in (
         (["--at", "90deg"], "the mechanism is drawn at a moment of one run"),
         (["--label", "new"], "these are 1 for 2 runs"),
+        (["--label", "new,worn,old"], "these are 3 for 2 runs"),
         (["--figure", "strip", "-o", "other"], '"strip" is not overlaid'),
     ):
         wrong = command("plot", case_c_run, case_c_run, *options)

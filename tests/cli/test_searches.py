@@ -79,6 +79,13 @@ def test_tolerance_tells_quantiles_and_the_share_that_fails(
         assert at["low"] <= 1e4 * float(fit.quantile(share)) <= at["high"]
     assert found["failing"]["low"] <= 0.05 <= found["failing"]["high"]
     assert found["mean"] == pytest.approx(1e4 * float(fit.quantile(0.5)), rel=0.02)
+    wrong = command("study", "tolerance", "runs/s.study", "--limit", f"C.force.max={1e3 * limit}")
+    assert wrong.exit_code == 2 and "a unit is probably missing" in " ".join(wrong.stderr.split())
+    meant = command("study", "tolerance", "runs/s.study", "--limit", f"C.force.max={1e3 * limit} N")
+    assert (
+        meant.exit_code == 0
+        and command("study", "tolerance", "runs/s.study", "--limit", f"C.force.max={limit}").exit_code == 0
+    )
     said = command(
         "study", "tolerance", "runs/s.study", "--limit", "C.impacts=200", "--confidence", "90"
     ).stdout

@@ -149,6 +149,10 @@ def test_exports_have_the_numbers_to_the_bit(command: Command, closed: Closed, t
         rows = list(csv.DictReader(stream))
     assert [float(row["C.force.max [N]"]) for row in rows] == found.values("C.force.max").tolist()
     assert [float(row["play [m]"]) for row in rows] == found.points()[:, 0].tolist()
+    # These cases have no repeated sample: the errors are not estimated.
+    heads = list(rows[0])
+    assert heads[heads.index("C.force.max [N]") + 1] == "C.force.max.error [N]"
+    assert {row["C.force.max.error [N]"] for row in rows} == {""}
     assert (rows[0]["C.impacts"], rows[0]["reason"]) == ("", "it has no measure C.impacts")
     with (tmp_path / "commas.csv").open(encoding="utf-8-sig") as stream:
         commas = list(csv.DictReader(stream, delimiter=";"))

@@ -70,6 +70,18 @@ def test_wear_is_drawn_told_and_gone_on_with(command, tmp_path, request):
     )
 
 
+@pytest.mark.parametrize(
+    ("option", "text", "remedy"), [("--clearance", "0.8", "0.8 mm"), ("--force", "2", "2 kN")]
+)
+def test_a_limit_without_a_unit_is_questioned_before_anything_is_simulated(
+    command, tmp_path, option, text, remedy
+):
+    done = command("wear", worn_pin(tmp_path), *BRIEF, option, text, "-o", "a.wear")
+    said = " ".join(done.stderr.split())
+    assert done.exit_code == 2 and "a unit is probably missing" in said and f'"{remedy}"' in said
+    assert "forecast" not in said and not Path("a.wear").exists()
+
+
 @pytest.mark.usefixtures("unrendered")
 def test_a_limit_that_is_not_reached_is_told_with_when_it_would_be(command, tmp_path):
     """Life is more than the turns that were asked for; the later one is the last slope of the clearance over
@@ -86,8 +98,10 @@ def test_a_limit_that_is_not_reached_is_told_with_when_it_would_be(command, tmp_
     said = " ".join(done.stdout.split())
     assert "Life: more than 2,000 turns; no limit was reached" in said
     turns = float(f"{found.turns[-1] + left:.2g}")
-    assert f"joint pin would reach 0.8 mm after about {turns:,.0f} turns" in said
-    assert re.search(r"turns \(\S+ h at \S+ rpm\); \S+ to \S+( million)? with the scatter of the wear", said)
+    assert f"grooves smoothed by 8 harmonics give {turns:,.0f} turns" in said
+    assert re.search(
+        r"turns \(\S+ to \S+ h at \S+ rpm\); \S+ to \S+( million)? with the scatter of the wear", said
+    )
     grown, lost = (
         float(f)
         for f in re.search(
@@ -100,11 +114,16 @@ def test_a_limit_that_is_not_reached_is_told_with_when_it_would_be(command, tmp_
     earlier = found.turns_to("pin", 0.8e-3, smoothed=False)
     deepest = found.unsmoothed_clearance("pin")
     assert deepest[-1] - deepest[0] == pytest.approx(1e-6 * lost, rel=1e-3) and earlier < 0.9 * turns
-    assert f"Without smoothing it would reach 800 µm after about {float(f'{earlier:.2g}'):,.0f} turns" in said
-    assert (
-        f"the deepest places of pin, not smoothed, reach it after {float(f'{earlier:.2g}'):,.0f} turns."
-        in said
+    # Between: the same volumes spread evenly, at the rate of the last jump.
+    lost_means = (found.depth - found.depth[0]).mean(axis=2).sum(axis=1)
+    rate = (lost_means[-1] - lost_means[-2]) / (found.turns[-1] - found.turns[-2])
+    even = found.turns[-1] + (0.8e-3 - found.clearance[0, 0] - lost_means[-1]) / rate
+    low, high = (
+        float(end.replace(",", ""))
+        for end in re.search(r"pin would reach 0.8 mm after (\S+) to (\S+) turns", said).groups()
     )
+    assert earlier / 1.1 < low <= earlier and even <= high < 1.1 * even
+    assert not found.life("pin", 0.8e-3).determined
     assert "less where a limit is reached" in done.stderr
     assert done.stderr.index("forecast: ") < done.stderr.index("2,000 of 2,000 turns")
 

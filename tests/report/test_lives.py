@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from vfife.report.amounts import life_words
+from vfife.report.amounts import life_range_words, life_words
 
 RPM = 0.02  # s, a turn at 3000 rpm
 
@@ -33,3 +33,27 @@ RPM = 0.02  # s, a turn at 3000 rpm
 )
 def test_a_life_in_words(turns, turn, scatter, expected):
     assert life_words(turns, turn, scatter) == expected
+
+
+@pytest.mark.parametrize(
+    ("ends", "turn", "scatter", "expected"),
+    [
+        (
+            (114_150.0, 3_821_422.0),
+            60.0 / 2900.0,
+            None,
+            "0.11 to 3.9 million turns (0.65 to 22 h at 2,900 rpm)",
+        ),
+        ((2_000.0, 45_000.0), None, None, "2,000 to 45,000 turns"),
+        (
+            (2_000.0, 45_000.0),
+            None,
+            10.0,
+            "2,000 to 45,000 turns; 200 to 450,000 with the scatter of the wear coefficient",
+        ),
+        ((2_000.0, math.inf), RPM, None, "more than 2,000 turns"),
+    ],
+)
+def test_a_range_of_a_life_in_words(ends, turn, scatter, expected):
+    """Rounded outwards."""
+    assert life_range_words(*ends, turn, scatter) == expected

@@ -368,6 +368,23 @@ def test_a_sensitive_sample_is_repeated_with_further_steps(tmp_path) -> None:
     assert "3 of 3 sampled cases depend on the step" in study_page(found, {})
 
 
+def test_a_table_of_cases_has_the_largest_error_beside_each_measure(tmp_path) -> None:
+    """Its own of a case of the sample, that of the sample of any other; nothing without an estimate."""
+    found = made(tmp_path / "a.study", 3, Scattering())
+    table = {column.name: column for column in found.table_columns()}
+    assert list(table).index("C.force.max.error") == list(table).index("C.force.max") + 1
+    errors = table["C.force.max.error"]
+    assert errors.unit == "N" and errors.values == found.error_bars("C.force.max").tolist()
+    repeats = {number: found.repeats[number] for number in (0, 1)}
+    less = Study(None, found.meta, found.cases, found.outcomes, repeats, found.step_trials)
+    bounds = {column.name: column for column in less.table_columns()}["C.force.max.error"].values
+    assert bounds[2] == max(bounds) == less.errors["C.force.max"].most and bounds[0] != bounds[1]
+    bare = Study(None, found.meta, found.cases, found.outcomes)
+    columns = {column.name: column for column in bare.table_columns()}
+    assert columns["C.force.max.error"].values == [None] * 3
+    assert found.to_dataframe()["C.force.max.error"].tolist() == errors.values
+
+
 @pytest.mark.parametrize("count", [1, 3])
 def test_three_values_of_few_cases_that_agree_by_chance_do_not_hide_a_scatter(count, tmp_path) -> None:
     steps = np.array([1.0 / 3.0, 0.2, 0.7, 1.1, 1.7])

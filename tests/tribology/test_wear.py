@@ -19,6 +19,7 @@ from vfife.tribology.simulate_wear import load_wear, wear
 from vfife.tribology.wear_state import (
     ANGLES,
     PLACES,
+    clearances,
     harmonics_of,
     jackson,
     profiles,
@@ -263,6 +264,42 @@ def test_a_profile_of_a_displaced_journal_is_as_sharp_as_the_journal():
     found = surfaces_of(m)
     assert sharpness(found, np.zeros((1, PLACES)), 4) == pytest.approx(5e-5 / 2.5e-4, rel=1e-3, abs=0.0)
     assert profiles(found, np.zeros((1, PLACES)), 4)[0][0] == pytest.approx([0.0, 5e-5, 0.0, 0.0])
+
+
+def test_more_harmonics_are_advised_only_while_the_journal_fits_into_the_groove():
+    """A groove of 40° and 5 µm fits; the same of two clearances is narrower than the journal."""
+    found = worn(4e4)
+    groove = np.where(np.abs(ANGLES) < math.radians(20.0), np.cos(4.5 * ANGLES), 0.0)
+    shown = {}
+    for depth in (1e-6, 2.0 * found.surfaces[0].clearance):
+        depths = found.depth.copy()
+        depths[-1, 0] += depth * groove
+        clearance = np.array([clearances(found.surfaces, one, found.spec.harmonics) for one in depths])
+        text = str(document(dataclasses.replace(found, depth=depths, clearance=clearance)).parts)
+        shown[depth] = "--harmonics 16" in text, "More of them do not help" in text
+    assert list(shown.values()) == [(True, False), (False, True)]
+
+
+def test_a_life_has_the_range_of_the_shapes_that_its_volume_permits():
+    """By hand: a groove deepens by 10 and the mean by 0.1 nm a turn; 20 µm need 2,000 and 200,000 turns. The
+    range has the life of a journal that beds into its bearing, whatever the number of harmonics.
+    """
+    found = worn(4e4)
+    turns = found.turns
+    depth = np.zeros_like(found.depth)
+    depth[:, 0, :] = 1e-10 * turns[:, None]
+    depth[:, 0, 180] += 9.9e-9 * turns
+    clearance = found.surfaces[0].clearance
+    mean = 1e-10 + 9.9e-9 / PLACES
+    for harmonics in (4, 8, 16):
+        spec = dataclasses.replace(found.spec, harmonics=harmonics)
+        smoothed = np.array([clearances(found.surfaces, one, harmonics) for one in depth])
+        life = dataclasses.replace(found, depth=depth, clearance=smoothed, spec=spec).life(
+            "pin", clearance + 2e-5
+        )
+        assert life.deepest == pytest.approx(2e-5 / 1e-8) and life.uniform == pytest.approx(2e-5 / mean)
+        assert not life.determined and (life.shortest, life.longest) == (life.deepest, life.uniform)
+        assert life.shortest < life.smoothed < life.longest
 
 
 def test_a_groove_deeper_than_the_clearance_is_in_the_headline():

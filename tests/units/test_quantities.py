@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vfife.errors import Fault
-from vfife.units import DIMENSIONS, UNITS, dimension_of, ends_of, number
+from vfife.units import DIMENSIONS, UNITS, dimension_of, ends_of, number, unit_fault
 
 EVERYDAY = [
     ("0.5 mm", "m", 5e-4),
@@ -254,3 +254,33 @@ def test_a_frequency_in_place_of_a_speed_is_answered_with_its_turns(text, rpm):
 )
 def test_what_is_written_for_a_unit_that_is_easily_mistaken(text: str, unit: str, value: float) -> None:
     assert number(text, unit) == pytest.approx(value, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "size", "remedy"),
+    [
+        ("1.3", "N", 1174.0, 'write "1.3 kN", or "1.3 N" if that is meant'),
+        ("34", "m", 17e-6, 'write "34 um", or "34 m" if that is meant'),
+        ("0.034", "m", 17e-6, 'write "0.034 mm", or "0.034 m" if that is meant'),
+        ("1.3e13", "N", 1174.0, 'write "1.3e13 N"'),
+    ],
+)
+def test_a_bare_number_far_from_what_it_limits_is_questioned(text, unit, size, remedy) -> None:
+    fault = unit_fault("limit", text, unit, size, "the force")
+    assert fault is not None and fault.remedy == remedy and f"without a unit are in {unit}" in fault.what
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "size"),
+    [
+        ("1.3 N", "N", 1174.0),  # a unit is meant
+        (1.3, "N", 1174.0),  # Python's numbers are in SI units
+        ("1300", "N", 1174.0),
+        ("3.4e-5", "m", 17e-6),
+        ("0", "N", 1174.0),
+        ("1", "1", 900.0),
+        ("1.3", "N", None),
+    ],
+)
+def test_a_number_with_a_unit_or_near_what_it_limits_is_taken(text, unit, size) -> None:
+    assert unit_fault("limit", text, unit, size, "the force") is None

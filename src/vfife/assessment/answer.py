@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import ModelError
 from ..laws.materials import SCATTER
 from ..measures.catalogue import unit_of
 from ..model.functions import turn_of
@@ -20,6 +21,7 @@ from ..results.derivatives import Effect, Sensitivity
 from ..studies.spec.distributions import SIGMAS
 from ..studies.study_work import Allocation
 from ..tribology.wear_state import Worn
+from ..units import unit_fault
 from .ranking import Rank
 from .sample import MachineSample, growth_of
 
@@ -30,7 +32,9 @@ LIFE = 2.0  # clearance at the end of a life, by that of the model, unless a lim
 class Life(NamedTuple):
     """Turns until a joint reaches its ``clearance`` (m), with their range; ``reached``: simulated, not
     extrapolated. The range is None for a wear simulation that was interrupted. ``unsmoothed``: turns until
-    the deepest places as they wore reach it.
+    the deepest places as they wore reach it; ``uniform``: turns if wear spread evenly around both surfaces.
+    Not ``determined``: grooves are narrower than the journal or than what the profiles resolve, and the range
+    covers all three.
     """
 
     turns: float
@@ -38,6 +42,8 @@ class Life(NamedTuple):
     clearance: float
     reached: bool
     unsmoothed: float = math.inf
+    uniform: float = math.inf
+    determined: bool = True
 
 
 @dataclass(frozen=True)
@@ -218,17 +224,18 @@ class Design(NotebookDocument):
         if wear is None or name not in wear.joints:
             return None
         end = self.end_clearance or LIFE * clearance
-        turns = wear.turns_to(name, end)
-        reached, unsmoothed = bool(turns <= wear.turns[-1]), wear.turns_to(name, end, smoothed=False)
+        life = wear.life(name, end)
+        reached, shapes = bool(life.smoothed <= wear.turns[-1]), (life.deepest, life.uniform, life.determined)
         if not wear.step_difference:
-            return Life(turns, None, end, reached, unsmoothed)
+            return Life(life.smoothed, None, end, reached, *shapes)
         # Errors of the rate by time step and by scatter over turns, then the scatter of tests of a pair.
         error = max(wear.step_difference) + float(wear.spread.max())
         wears = wear.mechanism(0).contacts[name].wear
         sides = () if wears is None else (wears.bearing, wears.journal)
         factor = SCATTER if any(isinstance(side, str) for side in sides) else 1.0
-        high = turns * factor / (1.0 - error) if error < 1.0 else math.inf
-        return Life(turns, (turns / factor / (1.0 + error), high), end, reached, unsmoothed)
+        high = life.longest * factor / (1.0 - error) if error < 1.0 else math.inf
+        span = (life.shortest / factor / (1.0 + error), high)
+        return Life(life.smoothed, span, end, reached, *shapes)
 
 
 def effects_agree(answer: Sensitivity, measure: str, growths: Mapping[str, Effect]) -> bool:
@@ -251,6 +258,15 @@ def clearances(mechanism: Mechanism) -> dict[str, float]:
     """Return the clearances (m) of the joints that have one."""
     pairs = ((name, getattr(joint, "clearance", None)) for name, joint in mechanism.contacts.items())
     return {name: clearance for name, clearance in pairs if clearance}
+
+
+def refuse_unlikely(limit: float | str | None, measure: str, nominal: float | None) -> None:
+    """Raise ModelError for a limit without a unit that is far from the ``nominal`` value (SI) of its
+    measure.
+    """
+    origin = f"{measure} with the clearances of the model"
+    if fault := unit_fault("limit", limit, unit_of(measure), nominal, origin):
+        raise ModelError([fault], "design()")
 
 
 def path_of(joint: str) -> str:

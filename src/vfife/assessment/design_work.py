@@ -43,7 +43,7 @@ from ..studies.spec.plan import CaseSpec
 from ..studies.study_work import Allocation, allocate, tables_of
 from ..tribology.simulate_wear import wear, wear_forecast
 from ..tribology.wear_state import Worn, surfaces_of, with_wear
-from .answer import LIFE, SENSITIVE, Design, clearances, effects_agree, path_of
+from .answer import LIFE, SENSITIVE, Design, clearances, effects_agree, path_of, refuse_unlikely
 from .sample import (
     CLEARANCE_SPREAD,
     MACHINES,
@@ -356,6 +356,7 @@ class DesignWork:
         if self.of is None:
             self.measure = max(names, key=lambda force: means.get(force, 0.0))
         self.nominal = means.get(self.measure)
+        refuse_unlikely(self.options["limit"], self.measure, self.nominal)
         if numbers := values[self.measure]:
             self.nominal_range = min(numbers), max(numbers)
         if self.limit is None and self.nominal is not None and self.nominal > 0.0:

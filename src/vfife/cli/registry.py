@@ -24,6 +24,12 @@ NUMBERS = {
 }
 UsageError: type[Exception] = BadParameter.__bases__[0]  # newer versions of typer have a click of their own
 
+# Commands of one run, and what to do with several.
+ONE_RUN = {
+    "report": "; a report is of one run. vfife plot RUN RUN overlays runs, vfife info RUN RUN compares them",
+    "animate": "; a film is of one run. vfife plot RUN RUN overlays runs",
+}
+
 
 class FastParsing:
     """Base of commands and groups that pass plain arguments as typed."""
@@ -39,8 +45,9 @@ class FastParsing:
             if type(error).__name__ == "MissingParameter" and hasattr(error, "message"):
                 error.message = getattr(parameter, "help", "") or ""  # follows the name of what is missing
             options = {name for option in self.get_params(ctx) for name in option.opts}  # type: ignore[attr-defined]
-            if "unexpected extra argument" in str(getattr(error, "message", "")) and "--of" in options:
-                error.message += "; name a series with --of"  # type: ignore[attr-defined]
+            if "unexpected extra argument" in str(getattr(error, "message", "")):
+                remedy = "; name a series with --of" if "--of" in options else ONE_RUN.get(ctx.info_name, "")
+                error.message += remedy  # type: ignore[attr-defined]
             print_fault(str(getattr(error, "format_message", error.__str__)()), BAD_INPUT)
             raise
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ..errors import Fault, LawError
 from ..laws.user import load_laws
 from ..schema import Measure, Value
-from ..units import assignments
+from ..units import assignments, is_bare, unit_fault
 from .options import LengthOptions, ModelOptions
 
 if TYPE_CHECKING:
@@ -66,6 +66,31 @@ def value_of_option(name: str, field: Value, text: Any) -> Any:
 def positive(name: str, text: str | None, unit: str) -> Any:
     """Return a quantity above zero of an option; None stays None."""
     return None if text is None else value_of_option(name, Measure(unit, above=0.0), text)
+
+
+def clearance_limit(text: str | None, mechanism: Mechanism) -> Any:
+    """Return the length (m) of ``--clearance``, the limit of a worn clearance; None stays None. Raises
+    ValueError for a number without a unit that is far from the clearances of the model.
+    """
+    length = positive("--clearance", text, "m")
+    sizes = [joint.clearance for joint in mechanism.clearances.values() if joint.clearance]
+    if fault := unit_fault("--clearance", text, "m", max(sizes, default=None), "the largest clearance"):
+        raise ValueError(str(fault))
+    return length
+
+
+def force_limit(text: str | None, mechanism: Mechanism) -> Any:
+    """Return the force (N) of ``--force``; None stays None. Raises ValueError for a number without a unit
+    that is far from the forces of the ideal mechanism.
+    """
+    force = positive("--force", text, "N")
+    if text is not None and is_bare(text):
+        from ..simulation.start import examination
+
+        largest = max(examination(mechanism).expected.values(), default=None)
+        if fault := unit_fault("--force", text, "N", largest, "the largest force of the ideal mechanism"):
+            raise ValueError(str(fault))
+    return force
 
 
 def with_options(mechanism: Mechanism, options: LengthOptions, **settings: Any) -> Mechanism:

@@ -13,6 +13,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from ..measures.turns import last_turn, of_window
 from ..measures.wear import PLACES, SIDES, depths, is_round, wear_contacts
 from ..model.surfaces import body_of, surface_words
+from ..report.amounts import life_range_words
 from .style import (
     BLUE,
     FAINT,
@@ -69,10 +70,8 @@ def wear_over_turns(wear: Worn) -> Figure:
     )
     text = f"{turns_words(wear.turns[-1])} turns of the crank, {wear.simulated:,.0f} of them simulated"
     if wear.life_end:
-        text += (
-            f"; life of joint {wear.life_end['joint']} ends after {turns_words(wear.life_end['turns'])} by"
-            f" its {wear.life_end['by']}"
-        )
+        joint, by = wear.life_end["joint"], wear.life_end["by"]
+        text += f"; life of joint {joint} ends after {life_turns(wear)} by its {by}"
     heading(figure, f"{wear.name}: wear after {text}")
     return fix_layout(figure)
 
@@ -191,6 +190,18 @@ def draw_history(ax: Any, wear: Worn, row: int, quantity: str) -> None:
     ax.set_xlim(left=0.0)
     if quantity == "force":
         ax.set_xlabel("million turns" if million else "turns")
+
+
+def life_turns(wear: Worn) -> str:
+    """Return the turns after which a life ended, or the range in which it ends where the model does not
+    determine it.
+    """
+    limit = wear.spec.clearance
+    if limit is not None and wear.life_end["by"] == "clearance":
+        life = wear.life(wear.life_end["joint"], limit)
+        if not life.determined:
+            return life_range_words(life.shortest, life.longest, None).removesuffix(" turns")
+    return turns_words(wear.life_end["turns"])
 
 
 def turns_words(turns: float) -> str:

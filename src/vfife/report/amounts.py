@@ -185,13 +185,37 @@ def life_words(turns: float, turn: float | None, scatter: float | None = None) -
     (number,), word = large_numbers(turns)
     text = f"about {number}{f' {word}' if word else ''} turns"
     if turn:
-        hours = turns * turn / 3600.0
-        text += f" ({rounded(hours, 1 - exponent(hours)):,.{max(0, 1 - exponent(hours))}f} h"
-        text += f" at {float(f'{60.0 / turn:.3g}'):,g} rpm)"
+        text += f" ({hours_text(turns, turn)} h at {float(f'{60.0 / turn:.3g}'):,g} rpm)"
     if scatter is None:
         return text
     (low, high), word = large_numbers(turns / scatter, turns * scatter)
     return f"{text}; {low} to {high}{f' {word}' if word else ''} with the scatter of the wear coefficient"
+
+
+def life_range_words(
+    shortest: float, longest: float, turn: float | None, scatter: float | None = None
+) -> str:
+    """Return the range of a life that is not determined, as in "0.11 to 3.9 million turns (0.66 to 22 h at
+    2,900 rpm)"; ``turn`` (s) and ``scatter`` are those of :func:`life_words`.
+    """
+    if not math.isfinite(longest):
+        return f"more than {turns_words(shortest)} turns"
+    (low, high), word = large_numbers(shortest, longest)
+    text = f"{low} to {high}{f' {word}' if word else ''} turns"
+    if turn:
+        hours = f"{hours_text(shortest, turn, DOWN)} to {hours_text(longest, turn, UP)}"
+        text += f" ({hours} h at {float(f'{60.0 / turn:.3g}'):,g} rpm)"
+    if scatter is None:
+        return text
+    (low, high), word = large_numbers(shortest / scatter, longest * scatter)
+    return f"{text}; {low} to {high}{f' {word}' if word else ''} with the scatter of the wear coefficient"
+
+
+def hours_text(turns: float, turn: float, way: int = NEAREST) -> str:
+    """Return the hours of turns with two digits; ``turn`` (s) is the duration of one."""
+    hours = turns * turn / 3600.0
+    digit = 1 - exponent(hours)
+    return f"{rounded(hours, digit, way):,.{max(0, digit)}f}"
 
 
 def turns_words(turns: float) -> str:

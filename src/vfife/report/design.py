@@ -10,15 +10,16 @@ from ..laws.materials import EXAMPLE_COEFFICIENT, EXAMPLE_LUBRICATION
 from ..measures.catalogue import differentiable
 from ..measures.wear import SIDES
 from ..model.surfaces import body_of, surface_words
-from .amounts import large_numbers, life_words, percent, prefixed, quantities, turns_words
+from .amounts import large_numbers, life_range_words, life_words, percent, prefixed, quantities, turns_words
 from .cautions import rebound_cautions
 from .design_words import UNKNOWN, and_words, end, quantity_of, sentence, words
+from .digits import NOT_DETERMINED
 from .document import Bullets, Document, Facts, Figure, Paragraph, Part, Section, Table
 from .fits import fit_cautions, fit_sentence, fits_data
 from .overview import settling_options
 from .pages import model_parts
 from .study import no_blows
-from .wear import DIFFERENT
+from .wear import groove_sentences, open_life_sentence
 
 if TYPE_CHECKING:
     from ..assessment.answer import Design, JointDesign, Life
@@ -99,7 +100,8 @@ def row(design: Design, joint: JointDesign) -> tuple[str, ...]:
     clearance = quantities(*limits, "m", exact=True) if limits else ""
     lasts = MISSING
     if life is not None:
-        lasts = turns_words(life.turns) if math.isfinite(life.turns) else "no wear"
+        turns = turns_words(life.turns) if life.determined else NOT_DETERMINED
+        lasts = turns if math.isfinite(life.turns) else "no wear"
     span = "" if life is None else life_range(life)
     effect = effect_cells(design, joint)
     growth = f"+{prefixed(joint.growth, 'm')}" if effect[0] else ""
@@ -165,17 +167,9 @@ def life_range(life: Life) -> str:
     if life.span is None:
         return MISSING
     if not math.isfinite(life.span[1]):
-        return f"more than {turns_words(least_life(life))}"
-    (low, high), word = large_numbers(least_life(life), life.span[1])
+        return f"more than {turns_words(life.span[0])}"
+    (low, high), word = large_numbers(*life.span)
     return f"{low} to {high} {word}".rstrip()
-
-
-def least_life(life: Life) -> float:
-    """Return the lower end of the range of a life: with smoothed profiles, or by the deepest places if these
-    reach the limit much earlier.
-    """
-    low = life.turns if life.span is None else life.span[0]
-    return min(low, life.unsmoothed) if deepest_words(life) else low
 
 
 def conclusion(design: Design) -> Iterator[str]:
@@ -256,18 +250,28 @@ def life_sentence(design: Design) -> str:
     turns, name, life = min(lives)
     if not math.isfinite(turns):
         return "No clearance grows by wear over the turns that were simulated."
+    rivals = first_joints(lives)
+    beginning = f"{name} wears out first: its clearance"
+    if len(rivals) > 1:
+        beginning = (
+            f"Which of {and_words(rivals)} wears out first is {NOT_DETERMINED}. The clearance of {name}"
+        )
     range_text = f", range {life_range(life)} turns" if life.span is not None else ""
-    return (
-        f"{name} wears out first: its clearance reaches {prefixed(life.clearance, 'm')} after"
-        f" {life_words(turns, design.turn)}{range_text}, {scatter(design)}{deepest_words(life)}."
-    )
+    lasts, remarks = f"{life_words(turns, design.turn)}{range_text}", list[str]()
+    if not life.determined and design.wear is not None:
+        wear_life = design.wear.life(name, life.clearance)
+        lasts = life_range_words(*(life.span or (wear_life.shortest, wear_life.longest)), design.turn)
+        remarks = [open_life_sentence(wear_life, design.wear.spec.harmonics), *groove_sentences(design.wear)]
+    text = f"{beginning} reaches {prefixed(life.clearance, 'm')} after {lasts}, {scatter(design)}."
+    return " ".join([text, *remarks])
 
 
-def deepest_words(life: Life) -> str:
-    """Return the shorter life by the deepest places of the worn surfaces, if it differs much."""
-    if life.unsmoothed >= DIFFERENT * life.turns:
-        return ""
-    return f"; the deepest places, not smoothed, reach it after {turns_words(life.unsmoothed)} turns"
+def first_joints(lives: list[tuple[float, str, Life]]) -> list[str]:
+    """Return the joints whose life may be the shortest: by smoothed grooves, by either end of their range."""
+    firsts = {min(lives)[1]}
+    if spans := [(life.span, name) for _, name, life in lives if life.span is not None]:
+        firsts |= {min((span[end], name) for span, name in spans)[1] for end in (0, 1)}
+    return sorted(firsts)
 
 
 def scatter(design: Design) -> str:
@@ -352,11 +356,18 @@ def life_cautions(design: Design, wear: Worn) -> Iterator[str]:
             f"The life of {and_words(flat)} is {MISSING}: wear is simulated of a journal in a round"
             " bearing, not of a slider in its guide."
         )
-    for joint in design.joints:
-        if joint.life is not None and (text := deepest_words(joint.life)):
-            yield f"The life of {joint.name} follows smoothed profiles{text}."
-    if any(joint.life is not None and not joint.life.reached for joint in design.joints):
+    if names := [joint.name for joint in design.joints if joint.life and not joint.life.determined]:
+        yield (
+            f"The life of {and_words(names)} is {NOT_DETERMINED}: its range reaches from that of the deepest"
+            " places as they wore to that of wear spread evenly around bearing and journal."
+        )
+    if any(joint.life is not None and is_extrapolated(joint.life, wear) for joint in design.joints):
         yield (f"Lives beyond {turns_words(float(wear.turns[-1]))} turns are extrapolated at the last rate.")
+
+
+def is_extrapolated(life: Life, wear: Worn) -> bool:
+    """Return whether a life, or an end of its range, lies beyond the turns that were simulated."""
+    return not life.reached or (not life.determined and life.uniform > wear.turns[-1])
 
 
 def next_steps(design: Design, model: str) -> Iterator[str]:

@@ -10,15 +10,18 @@ from ..job.progress import counted
 from ..laws.materials import OILED, PAIRS, SCATTER
 from ..measures.values import NOT_ESTIMATED
 from ..model.functions import turn_of
-from .amounts import life_words, turns_words
+from .amounts import life_range_words, life_words, quantity, turns_words
 from .document import Document, Table, paragraphs
 
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
-    from ..tribology.wear_state import Worn
+    from ..tribology.wear_state import WearLife, Worn
 
 MOST_HARMONICS = 32
-DIFFERENT = 0.8  # of a life by smoothed profiles: a shorter one by the deepest places is stated
+NARROW = (
+    "Grooves are narrower than the journal, which would rest on their edges and widen them: the depths are"
+    " too large."
+)
 CLEAR = 0.8  # of the wear of the deepest places, the least growth of clearance that needs no remark
 
 
@@ -46,22 +49,23 @@ def document(wear: Worn) -> Document:
 
 
 def _headline(wear: Worn) -> str:
-    """Return what ended the life, the shorter life by the deepest places, and a groove that is deeper than
-    the clearance.
+    """Return a groove that is deeper than the clearance, and what first the life, with its range where the
+    model does not determine it.
     """
     groove = _groove(wear)
+    text = f"; {groove}" if groove else ""
     if not wear.life_end:
-        return groove
-    joint, turns = wear.life_end["joint"], wear.life_end["turns"]
-    return (
-        f"{groove}, the life until joint {joint} reaches its limit of {wear.life_end['by']}"
-        f"{_deepest_life(wear, turns)}"
-    )
+        return text
+    joint, by = wear.life_end["joint"], wear.life_end["by"]
+    if life := _open_life(wear, joint):
+        span = life_range_words(life.shortest, life.longest, None)
+        return f"{text}; joint {joint} reaches its limit of {by} after {span}"
+    return f"{text}, the life until joint {joint} reaches its limit of {by}"
 
 
-def _groove(wear: Worn) -> str:
+def _deep_groove(wear: Worn) -> tuple[float, float, str] | None:
     """Return the joint whose groove is most times as deep as its clearance was and hardly widens the smoothed
-    one; empty without such a groove.
+    one: this ratio, the depth (m) and the joint; None without such a groove.
     """
     grooves = []
     for k, joint in enumerate(wear.joints):
@@ -69,12 +73,47 @@ def _groove(wear: Worn) -> str:
         depth, start = float(place[-1] - place[0]), float(place[0])
         if start > 0.0 and depth > start and wear.clearance[-1, k] - wear.clearance[0, k] < CLEAR * depth:
             grooves.append((depth / start, depth, joint))
-    if not grooves:
+    return max(grooves, default=None)
+
+
+def _groove(wear: Worn) -> str:
+    """Return the groove that is deeper than the clearance, as text; empty without one."""
+    if (groove := _deep_groove(wear)) is None:
         return ""
-    share, depth, joint = max(grooves)
+    share, depth, joint = groove
     return (
-        f"; the groove in {joint}, {1e6 * depth:.3g} µm deep, is {share:.2g} times its clearance: no smoothed"
+        f"the groove in {joint}, {1e6 * depth:.3g} µm deep, is {share:.2g} times its clearance: no smoothed"
         " clearance describes that joint"
+    )
+
+
+def _is_narrow(wear: Worn) -> bool:
+    """Return whether a journal would rest on the edges of its groove, as the profiles of the contact show it,
+    or as more harmonics show a groove that is deeper than the clearance.
+    """
+    groove = _deep_groove(wear)
+    hidden = groove is not None and wear.sharpness(groove[2], MOST_HARMONICS) > 1.0
+    return hidden or bool(wear.sharp.max() > 1.0)
+
+
+def groove_sentences(wear: Worn) -> Iterator[str]:
+    """Yield what contradicts the contact geometry: a groove that is deeper than the clearance, and grooves
+    that are narrower than the journal.
+    """
+    if groove := _groove(wear):
+        yield f"{groove[0].upper()}{groove[1:]}."
+    if _is_narrow(wear):
+        yield NARROW
+
+
+def open_life_sentence(life: WearLife, harmonics: int) -> str:
+    """Return what the ends of the range of a life mean that the model does not determine."""
+    subject = f"grooves smoothed by {counted(harmonics, 'harmonic')}" if harmonics else "their mean depths"
+    return (
+        "The model determines no more than this range: the shortest life is that of the deepest places as"
+        " they wore, the longest that of wear spread evenly around bearing and journal;"
+        f" {subject} give {turns_words(life.smoothed)} turns. Another number of harmonics changes this and"
+        " the shortest life."
     )
 
 
@@ -96,44 +135,43 @@ def _remarks(wear: Worn) -> Iterator[str]:
     yield from _coefficients(mechanism, wear)
     if spec.harmonics == 0:
         yield "Clearances do not follow the wear, so depths are proportional to the turns."
-    if wear.sharp.max() > 1.0:
-        yield (
-            "Grooves are narrower than the journal, which would rest on their edges and widen them: the"
-            " depths are too large."
-        )
+    if _is_narrow(wear):
+        yield NARROW
     if 0 < spec.harmonics < MOST_HARMONICS:
         yield from _smoothed(wear)
     if wear.life_end:
-        yield (
-            f"Life: {_life(wear, wear.life_end['turns'], wear.life_end['joint'])}, until joint"
-            f" {wear.life_end['joint']} reaches the limit of its {wear.life_end['by']}"
-            f"{_deepest_life(wear, wear.life_end['turns'])}."
-        )
+        joint, by = wear.life_end["joint"], wear.life_end["by"]
+        text, remark = _life(wear, wear.life_end["turns"], joint, _open_life(wear, joint))
+        yield f"Life: {text}, until joint {joint} reaches the limit of its {by}.{remark}"
     elif spec.clearance is not None or spec.force is not None:
-        yield f"Life: more than {wear.turns[-1]:,.0f} turns; no limit was reached{_outlook(wear)}."
+        yield f"Life: more than {wear.turns[-1]:,.0f} turns; no limit was reached{_outlook(wear)}"
 
 
-def _life(wear: Worn, turns: float, joint: str) -> str:
-    """Return turns until a limit, with the scatter of coefficients that come from a table."""
+def _life(wear: Worn, turns: float, joint: str, life: WearLife | None) -> tuple[str, str]:
+    """Return turns until a limit, with the scatter of coefficients that come from a table, and a remark; for
+    a ``life`` that is not determined its range, and what its ends mean.
+    """
     mechanism = wear.mechanism(0)
     sides = mechanism.contacts[joint].wear
     tabled = any(
         isinstance(getattr(sides, surface.side), str) for surface in wear.surfaces if surface.joint == joint
     )
-    return life_words(turns, turn_of(mechanism), SCATTER if tabled else None)
+    scatter, turn = SCATTER if tabled else None, turn_of(mechanism)
+    if life is None:
+        return life_words(turns, turn, scatter), ""
+    remark = f" {open_life_sentence(life, wear.spec.harmonics)}"
+    return life_range_words(life.shortest, life.longest, turn, scatter), remark
 
 
-def _deepest_life(wear: Worn, turns: float) -> str:
-    """Return the life by the deepest places as they wore, of the joint where it is shortest, if it is much
-    shorter than the ``turns`` by smoothed profiles.
+def _open_life(wear: Worn, joint: str) -> WearLife | None:
+    """Return the life of a joint by its clearance if the model does not determine it; None for any other, and
+    for a life that the force first.
     """
     limit = wear.spec.clearance
-    if limit is None:
-        return ""
-    deepest, joint = min((wear.turns_to(joint, limit, smoothed=False), joint) for joint in wear.joints)
-    if deepest >= DIFFERENT * turns:
-        return ""
-    return f"; the deepest places of {joint}, not smoothed, reach it after {turns_words(deepest)} turns"
+    if limit is None or wear.life_end.get("by") == "force":
+        return None
+    life = wear.life(joint, limit)
+    return None if life.determined else life
 
 
 def _coefficients(mechanism: Mechanism, wear: Worn) -> Iterator[str]:
@@ -165,39 +203,46 @@ def _smoothed(wear: Worn) -> Iterator[str]:
     """Joints whose clearance grows much less than their deepest places, because the harmonics of their
     profiles smooth these.
     """
+    limit, first = wear.spec.clearance, wear.life_end.get("joint")
     for k, joint in enumerate(wear.joints):
         places = [place for place, surface in enumerate(wear.surfaces) if surface.joint == joint]
         depth = float((wear.depth[-1, places] - wear.depth[0, places]).max(axis=1).sum())
         grown = float(wear.clearance[-1, k] - wear.clearance[0, k])
         if grown < CLEAR * depth:
+            life = None if joint == first else _open_life(wear, joint)
+            span = ""
+            if life is not None and limit is not None:
+                text, _ = _life(wear, life.smoothed, joint, life)
+                span = f" It would reach {quantity(limit, 'm')} after {text}."
             yield (
                 f"The clearance of {joint} grew by {1e6 * grown:.4g} µm where its deepest places lost"
-                f" {1e6 * depth:.4g} µm: {wear.spec.harmonics} harmonics smooth narrow grooves. Try more of"
-                f" them (--harmonics {min(2 * wear.spec.harmonics, MOST_HARMONICS)})."
-                f"{_unsmoothed_life(wear, joint)}"
+                f" {1e6 * depth:.4g} µm: {wear.spec.harmonics} harmonics smooth narrow grooves."
+                f" {_advice(wear, joint)}{span}"
             )
 
 
-def _unsmoothed_life(wear: Worn, joint: str) -> str:
-    """Return after how many turns the deepest places as they wore reach the limit of clearance."""
+def _advice(wear: Worn, joint: str) -> str:
+    """Return the advice to follow more harmonics, if the journal fits into the grooves that these resolve."""
+    harmonics = min(2 * wear.spec.harmonics, MOST_HARMONICS)
     limit = wear.spec.clearance
-    if limit is None:
-        return ""
-    turns = wear.turns_to(joint, limit, smoothed=False)
-    return f" Without smoothing it would reach {1e6 * limit:.4g} µm after {_life(wear, turns, joint)}."
+    turns = 0.0 if limit is None else wear.turns_to(joint, limit)
+    if wear.sharpness(joint, harmonics, turns) <= 1.0:
+        return f"Try more of them (--harmonics {harmonics})."
+    return (
+        "More of them do not help: the grooves that they resolve are narrower than the journal, which would"
+        " widen them."
+    )
 
 
 def _outlook(wear: Worn) -> str:
-    """Return the when the first joint would reach its limit of clearance at the rate of the last jump; empty
-    without a limit or growth.
+    """Return when the first joint would reach its limit of clearance at the rate of the last jump, and the
+    full stop; nothing more without a limit or growth.
     """
     limit = wear.spec.clearance
     if limit is None:
-        return ""
+        return "."
     turns, joint = min((wear.turns_to(joint, limit), joint) for joint in wear.joints)
     if turns == math.inf:
-        return ""
-    return (
-        f"; at the present rate joint {joint} would reach {1e3 * limit:.4g} mm after"
-        f" {_life(wear, turns, joint)}{_deepest_life(wear, turns)}"
-    )
+        return "."
+    text, remark = _life(wear, turns, joint, _open_life(wear, joint))
+    return f"; at the present rate joint {joint} would reach {1e3 * limit:.4g} mm after {text}.{remark}"

@@ -267,9 +267,16 @@ class SampleErrors:
         """Return the error that a figure shows at the value of each case: the typical one; where the motion
         is sensitive, the largest of the case, or that of the sample for a case that was not repeated.
         """
-        estimate, by_case = self.estimates[name], self.by_measure[name]
+        estimate = self.estimates[name]
         if not estimate.sensitive:
             return [estimate.typical] * len(numbers)
+        return self.bounds(name, numbers)
+
+    def bounds(self, name: str, numbers: Sequence[int]) -> list[float]:
+        """Return the largest error of the value of each case: its own, or that of the sample for a case that
+        was not repeated.
+        """
+        estimate, by_case = self.estimates[name], self.by_measure[name]
         return [by_case[number].bound if number in by_case else estimate.most for number in numbers]
 
 

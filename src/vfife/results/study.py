@@ -427,8 +427,8 @@ class Study(DataTable):
         return table_rows(columns)
 
     def table_columns(self) -> list[TableColumn]:
-        """Return the columns of the table of cases: number, parameters, measures with numerical errors, and
-        status.
+        """Return the columns of the table of cases: number, parameters, measures, each followed by its
+        largest numerical error, and status.
         """
         rows, units = (
             self.rows(),
@@ -442,16 +442,21 @@ class Study(DataTable):
             ("status", "reason"), str
         )
         kinds |= dict.fromkeys((*self.measures, "step"), float)
-        return [
-            TableColumn(
-                name,
-                [row[name] for row in rows],
-                units.get(name, "1"),
-                self._error_texts(name),
-                kinds.get(name),
-            )
-            for name in self.columns
-        ]
+        columns = []
+        for name in self.columns:
+            values, unit = [row[name] for row in rows], units.get(name, "1")
+            columns.append(TableColumn(name, values, unit, self._error_texts(name), kinds.get(name)))
+            if name in self.measures:
+                errors = self._case_errors(name, values)
+                columns.append(TableColumn(f"{name}.error", errors, unit, {}, float))
+        return columns
+
+    def _case_errors(self, measure: str, values: Sequence[float | None]) -> list[float | None]:
+        """Return the largest numerical error of each case; None without a value or an estimate."""
+        if measure not in self.errors:
+            return [None] * len(values)
+        bounds = self._sample_errors.bounds(measure, [case.number for case in self.cases])
+        return [None if value is None else bound for value, bound in zip(values, bounds, strict=True)]
 
     def _error_texts(self, measure: str) -> dict[str, str]:
         return {key: str(value) for key, value in self.error_attributes(measure).items()}

@@ -24,7 +24,7 @@ from ..store.runfile import RunFile
 from ..store.schemas import RUN
 from .result import Result
 from .simulate import Prepared, run_prepared
-from .start import Length, RestoredStart, expected_forces
+from .start import RestoredStart, Span, expected_forces
 
 
 def reopen_run(file: RunFile, until: float | None = None) -> tuple[Prepared, Checkpoint | None]:
@@ -83,7 +83,7 @@ def restore_prepared(former: Result, arguments: dict[str, Any], stored: Mapping[
     metadata of arguments and companions.
     """
     record, reference = former.record, former.reference
-    length = Length(
+    length = Span(
         turns=arguments.get("turns"),
         duration=arguments.get("duration"),
         outputs=arguments.get("outputs"),

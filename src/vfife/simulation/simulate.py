@@ -42,16 +42,7 @@ from ..store.lock import run_lock
 from ..store.runfile import GATHER, RunFile
 from ..store.schemas import is_run_file
 from .result import Result
-from .start import (
-    Length,
-    RestoredStart,
-    RunStart,
-    StartFrom,
-    StaticStart,
-    expected_forces,
-    ideal_of,
-    referred,
-)
+from .start import RestoredStart, RunStart, Span, StartFrom, StaticStart, expected_forces, ideal_of, referred
 
 Earlier: TypeAlias = dict[str, tuple[float, float]]
 Tried: TypeAlias = tuple[tuple[float, float | None], ...]
@@ -287,9 +278,7 @@ def prepare(
         if job is not None and unrun is not None and run_cost(unrun).seconds > BRIEF:
             forecast(job, unrun)
         ideal = referred(unrun)
-    length = Length(
-        turns=spec.turns, duration=spec.duration, outputs=spec.outputs, force_step=spec.force_step
-    )
+    length = Span(turns=spec.turns, duration=spec.duration, outputs=spec.outputs, force_step=spec.force_step)
     begin = RunStart(mechanism, length, former, prospect, expected_forces(ideal))
     requested = companions_of(mechanism, spec.companions)
     assembly = begin.first(spec.step, spec.loop, requested)

@@ -41,7 +41,7 @@ from .result import Result
 StartFrom: TypeAlias = Result | str | Path | States
 
 
-class Length(TypedDict, total=False):
+class Span(TypedDict, total=False):
     """Length and outputs of a run, as arguments of ``assemble``."""
 
     turns: float | None
@@ -210,7 +210,7 @@ def assembled_at(
     expected: Mapping[str, float] | None = None,
     contact_steps: int = CONTACT_STEPS,
     motion: Motion | None = None,
-    **length: Unpack[Length],
+    **length: Unpack[Span],
 ) -> Assembly:
     """Return the mechanism assembled at its own start, at ``time`` (s, by default the end) of a former run,
     or at states by body name.
@@ -248,7 +248,7 @@ class RunStart:
     """
 
     mechanism: Mechanism
-    length: Length
+    length: Span
     source: Result | States | None = None
     outlook: Outlook = field(default_factory=Outlook)
     expected: Mapping[str, float] = field(default_factory=dict)
@@ -311,7 +311,7 @@ class RestoredStart:
     """Start of the run of a file: its first output, length and largest ideal forces (N)."""
 
     record: Record
-    length: Length
+    length: Span
     expected: Mapping[str, float]
     started: bool  # whether it went on from another run
 

@@ -8,7 +8,7 @@ import dataclasses
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
+DIFFERENT = 0.8  # of a life by smoothed profiles: a shorter one by the deepest places counts
 # Angles (rad) of the places around a surface, each in the middle of its sector.
 ANGLES: Array = -math.pi + 2.0 * math.pi / PLACES * (np.arange(PLACES, dtype=float) + 0.5)
 
@@ -69,6 +70,30 @@ class WearSpec:
     clearance: float | None = None
     force: float | None = None
     steps: int = 0
+
+
+class WearLife(NamedTuple):
+    """Turns until a joint reaches a clearance: by its ``smoothed`` profiles, by the ``deepest`` places as
+    they wore, and with the volumes that its surfaces lose spread evenly around them, ``uniform``.
+    ``determined``: the journal fits into the grooves and smoothing hardly matters, so that the smoothed
+    profiles give the life; otherwise the model determines no more than the range from ``shortest`` to
+    ``longest``.
+    """
+
+    smoothed: float
+    deepest: float
+    uniform: float
+    determined: bool
+
+    @property
+    def shortest(self) -> float:
+        """The shortest life that the model permits."""
+        return self.smoothed if self.determined else min(self[:3])
+
+    @property
+    def longest(self) -> float:
+        """The longest life that the model permits."""
+        return self.smoothed if self.determined else max(self[:3])
 
 
 @former_names(asked="spec", ended="life_end", beside="step_difference", play="clearance")
@@ -138,22 +163,43 @@ class Worn(NotebookDocument, DataTable):
         clearance = next(surface.clearance for surface in self.surfaces if surface.joint == joint)
         return np.asarray(clearance + self.depth[:, places].max(axis=2).sum(axis=1), dtype=float)
 
+    def uniform_clearance(self, joint: str) -> Array:
+        """Return the clearance (m) of a joint if the volumes that its surfaces lost were spread evenly around
+        them, shape (points,): no wear of these volumes widens it less.
+        """
+        places = [k for k, surface in enumerate(self.surfaces) if surface.joint == joint]
+        losses = (self.depth[:, places] - self.depth[0, places]).mean(axis=2).sum(axis=1)
+        return np.asarray(self.unsmoothed_clearance(joint)[0] + losses, dtype=float)
+
     def turns_to(self, joint: str, clearance: float, *, smoothed: bool = True) -> float:
         """Return the turns after which a joint has a ``clearance`` (m): between the points that are computed,
         beyond them at the rate of the last jump; infinite for a joint that does not wear then. Not
         ``smoothed``: :meth:`unsmoothed_clearance` is meant.
         """
         column = self.clearance[:, self.joints.index(joint)] if smoothed else self.unsmoothed_clearance(joint)
-        if column[-1] >= clearance:
-            index = int(np.argmax(column >= clearance))
-            if not index:
-                return 0.0
-            share = (clearance - column[index - 1]) / (column[index] - column[index - 1])
-            return float(self.turns[index - 1] + share * (self.turns[index] - self.turns[index - 1]))
-        if len(column) < 2 or not column[-1] > column[-2]:
-            return math.inf
-        rate = (column[-1] - column[-2]) / (self.turns[-1] - self.turns[-2])
-        return float(self.turns[-1] + (clearance - column[-1]) / rate)
+        return turns_at(self.turns, column, clearance)
+
+    def life(self, joint: str, clearance: float) -> WearLife:
+        """Return the turns until a joint has a ``clearance`` (m), by its grooves smoothed, as they wore, and
+        spread evenly.
+        """
+        smoothed, deepest = (self.turns_to(joint, clearance, smoothed=smooth) for smooth in (True, False))
+        uniform = turns_at(self.turns, self.uniform_clearance(joint), clearance)
+        fits = self.sharpness(joint, turns=smoothed) <= 1.0 and deepest >= DIFFERENT * smoothed
+        return WearLife(smoothed, deepest, uniform, fits)
+
+    def sharpness(self, joint: str, harmonics: int | None = None, turns: float = 0.0) -> float:
+        """Return the largest relative curvature of the grooves of a joint over all points, as ``harmonics``
+        smooth them, those of the simulation by default: above 1 the journal is wider than its groove. If
+        ``turns`` lie beyond the last point, the grooves that the last jump would deepen to there count too.
+        """
+        places = [k for k, surface in enumerate(self.surfaces) if surface.joint == joint]
+        losses = list(self.depth[:, places] - self.depth[0, places])
+        if self.turns[-1] < turns < math.inf and len(losses) > 1:
+            jumps = (turns - self.turns[-1]) / (self.turns[-1] - self.turns[-2])
+            losses.append(losses[-1] + jumps * (losses[-1] - losses[-2]))
+        pair, count = [self.surfaces[k] for k in places], harmonics or self.spec.harmonics
+        return max(sharpness(pair, depth, count) for depth in losses)
 
     def place(self, joint: str, side: str) -> int:
         """Return the index of a side of a joint among the surfaces.
@@ -201,6 +247,22 @@ class Worn(NotebookDocument, DataTable):
                     [turns, surface.joint, surface.side, *pair, surface.body]
                     for pair in zip(ANGLES.tolist(), depth.tolist(), strict=True)
                 )
+
+
+def turns_at(turns: Array, column: Array, value: float) -> float:
+    """Return the turns at which a ``column`` of numbers at ``turns`` has a value: between them, or beyond the
+    last at the rate of the last jump; infinite for a column that does not grow then.
+    """
+    if column[-1] >= value:
+        index = int(np.argmax(column >= value))
+        if not index:
+            return 0.0
+        share = (value - column[index - 1]) / (column[index] - column[index - 1])
+        return float(turns[index - 1] + share * (turns[index] - turns[index - 1]))
+    if len(column) < 2 or not column[-1] > column[-2]:
+        return math.inf
+    rate = (column[-1] - column[-2]) / (turns[-1] - turns[-2])
+    return float(turns[-1] + (value - column[-1]) / rate)
 
 
 def surfaces_of(mechanism: Mechanism) -> list[Surface]:

@@ -166,7 +166,7 @@ class PlotOptions(Options, function="result.plot"):
     )
     label: list[str] | None = option(
         None,
-        "Name of a run in the legend; repeat it for each run.",
+        "Name of a run in the legend; repeat it for each run, or separate the names with commas.",
         "TEXT",
         show_default="the parameters in which the models differ",
     )

@@ -23,7 +23,7 @@ from ..job import CommandJob
 from ..outputs import refuse_ending, refuse_files, refuse_folder
 from ..signals import ANSWER_GRACE, DISCARDED_ANSWER, ENDING
 from ..terminal import end_interrupted, json_text, sentences, writing
-from ..values import mechanism_of, positive, separated
+from ..values import clearance_limit, mechanism_of, separated
 
 ENDINGS = (".html", ".pdf", ".json")
 
@@ -45,7 +45,7 @@ def design(options: DesignOptions) -> None:
         keys["joints"] = (
             None if options.joints is None else [name.strip() for name in options.joints.split(",")]
         )
-        keys["clearance"] = positive("--clearance", options.clearance, "m")
+        keys["clearance"] = clearance_limit(options.clearance, mechanism)
         keys["cost"] = costs(options.cost)
         answer = compute(options, mechanism, keys)
     page = document(answer, str(options.model))

@@ -232,7 +232,7 @@ def plot(options: PlotOptions) -> None:
     with sentences(str(run)):
         from ...plots import check_count, chosen, only_mechanism, overlaid, run_labels
 
-        labels, left_out = options.label or [], ""
+        labels, left_out = run_names(options.label or [], len(results)), ""
         check_count(results, labels)
         if len(results) > 1:
             if at is not None:
@@ -282,6 +282,11 @@ def overlay_folder(runs: list[Path]) -> Path:
     """Return the folder for figures of several runs, beside the first of them."""
     first, second, *remaining = (path.resolve() for path in runs)
     return first.with_name(f"{first.stem}-and-{f'{len(remaining) + 1}-others' if remaining else second.stem}")
+
+
+def run_names(texts: list[str], count: int) -> list[str]:
+    """Return the names of ``--label`` for so many runs, repeated or with commas between them."""
+    return texts if len(texts) == count else [name.strip() for text in texts for name in text.split(",")]
 
 
 def draw(results: list[Result], labels: list[str], targets: dict[str, Path], at: str | None) -> None:

@@ -30,7 +30,7 @@ from ...studies.methods.tolerance import bounds_of as bounds
 from ...studies.methods.tolerance import spreads
 from ...studies.spec.limits import Bound
 from ...studies.spec.study_file import StudyTables
-from ...units import assignments
+from ...units import assignments, unit_fault
 from ..arguments.studies import (
     AddOptions,
     AllocateOptions,
@@ -249,7 +249,14 @@ def indices(options: IndicesOptions) -> None:
 
 def bounds_of(study: Study, texts: list[str]) -> tuple[Bound, ...]:
     """Limits of the command line, or else those of the study file. Raises ModelError, ValueError."""
-    items = assignments("--limit", texts, 'C.force.max="2 kN"', "not MEASURE=VALUE")
+    items = list(assignments("--limit", texts, 'C.force.max="2 kN"', "not MEASURE=VALUE"))
+    for measure, text in items:
+        if measure in study.measures:
+            sizes = sorted(abs(value) for value in study.values(measure).tolist() if value == value)
+            middle = sizes[len(sizes) // 2] if sizes else None
+            origin = f"the median of {measure} in the study"
+            if fault := unit_fault(f"--limit {measure}", text, study.measures[measure], middle, origin):
+                raise ValueError(str(fault))
     return bounds(study, {measure: number_or_text(value) for measure, value in items})
 
 

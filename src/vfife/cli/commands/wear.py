@@ -13,7 +13,7 @@ from ...tribology.simulate_wear import wear as simulate
 from ..arguments.analyses import MOST_WEAR_TURNS, WearOptions
 from ..job import CommandJob
 from ..terminal import end_interrupted, sentences
-from ..values import mechanism_of, positive
+from ..values import clearance_limit, force_limit, mechanism_of, positive
 
 
 def wear(options: WearOptions) -> None:
@@ -44,8 +44,8 @@ def simulate_wear(options: WearOptions, place: Path) -> Any:
     job = CommandJob("wear", place, options)
     mechanism = mechanism_of(options)
     lengths = {
-        "clearance": positive("--clearance", options.clearance, "m"),
-        "force": positive("--force", options.force, "N"),
+        "clearance": clearance_limit(options.clearance, mechanism),
+        "force": force_limit(options.force, mechanism),
         "step": positive("--step", options.step, "s"),
     }
     numbers = {name: getattr(options, name) for name in ("block", "settle", "tolerance", "harmonics", "wear")}
