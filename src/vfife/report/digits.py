@@ -71,9 +71,14 @@ def turns_text(summary: Json, name: str, unit: str, share: float = SCATTER) -> s
     inside = bounds["low"] <= lowest and highest <= bounds["high"] and is_estimated(summary, name)
     if inside or highest - lowest <= share * highest:
         return ""
-    # Other turns of chaos have other extremes.
-    fineness = 0.1 if turns.get("motion") == "not periodic" else 0.01
-    return interval(lowest, highest, unit, fineness * (highest - lowest))
+    return interval(lowest, highest, unit, fineness(turns.get("motion")) * (highest - lowest))
+
+
+def fineness(motion: str | None) -> float:
+    """Return the share of the range of single turns that their ends are shown to; other turns of chaos have
+    other extremes.
+    """
+    return 0.1 if motion == "not periodic" else 0.01
 
 
 def is_estimated(summary: Json, name: str) -> bool:
