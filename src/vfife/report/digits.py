@@ -58,6 +58,13 @@ def uncertainty(summary: Json, name: str) -> float:
     return max(numerical, scatter) if alike or numerical <= 0.0 else numerical
 
 
+def with_two_digits(value: float, width: float) -> float:
+    """Return the uncertainty ``width`` of a value, or less, such that the value keeps two digits: those of a
+    mean that scatters, beside its range, whose ends have two.
+    """
+    return min(width, 2.0 * 10.0 ** (exponent(value) - 1)) if value and math.isfinite(value) else width
+
+
 def turns_text(summary: Json, name: str, unit: str, share: float = SCATTER) -> str:
     """Return the lowest and the highest turn of a measure that is a mean over turns, where turns differ by
     the motion, by more than the range of the mean, and by more than a ``share`` (1) of the highest;
@@ -117,13 +124,17 @@ def range_text(summary: Json, name: str) -> str:
 
 
 def plain_number(summary: Json, name: str) -> str:
-    """Return a measure without its unit, with at most six digits and none finer than its uncertainty."""
+    """Return a measure without its unit, with two to six digits and further ones not finer than its
+    uncertainty.
+    """
     value = summary["measures"][name]
     if name.endswith(COUNTS):
         return (  # 45 contacts are 45 as in the tables of a summary, though companions may have 41
             f"{value:.0f}"
         )
     width = uncertainty(summary, name)
+    if not is_about_zero(summary, name):
+        width = with_two_digits(value, width)
     if not isinstance(value, float) or not 1e-3 <= abs(value) < 1e7:
         limited = width > 0.0 and value and math.isfinite(value / width)
         digits = exponent(value) - exponent(width) + 1 if limited else 6

@@ -31,6 +31,7 @@ from .digits import (  # fmt: skip
     unit_of,
     value_text,
     wide_range,
+    with_two_digits,
 )
 from .document import Table, grouped
 from .trust import over_several_turns
@@ -316,9 +317,10 @@ def reaction(summary: Json, name: str, value: float | None) -> str:
         return ABOUT_ZERO
     if is_undetermined(summary, name):
         return NOT_DETERMINED
-    return amount(value, unit_of(name), uncertainty(summary, name)) + (
-        " *" if name in summary["not_unique"] else ""
+    width = (
+        uncertainty(summary, name) if value is None else with_two_digits(value, uncertainty(summary, name))
     )
+    return amount(value, unit_of(name), width) + (" *" if name in summary["not_unique"] else "")
 
 
 def depths_of_onsets(summary: Json) -> Table:
