@@ -251,6 +251,16 @@ class Mechanism(Builders):
 
         def _repr_html_(self) -> str: ...
 
+    def turns_made(self, turn: float | None, duration: float) -> float | None:
+        """Return how many turns the crank with a period of ``turn`` (s) makes within a run of a ``duration``
+        (s), if it runs up in it; None otherwise.
+        """
+        for driver in self.drivers.values():
+            made = None if turn is None else driver.turns_made(turn, self.clock, duration)
+            if made is not None:
+                return made
+        return None
+
     @property
     def clock(self) -> float:
         """Time (s) of drivers and loads at the beginning of a run; 0 for a static analysis."""

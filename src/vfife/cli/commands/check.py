@@ -51,6 +51,7 @@ def examine(options: CheckOptions) -> dict[str, Any]:
     assembly, expected = facts.assembly, facts.expected
     choice, refined = assembly.choice, repeated(assembly, mechanism.settings.companions)
     companions = companion_count(assembly, choose_loop(assembly, "auto"), mechanism.settings.companions)
+    made = mechanism.turns_made(choice.turn, choice.steps * choice.step)
     cost = run_cost(assembly, facts.ideal, companions=companions, refined=refined)
     return {
         "model": mechanism.name,
@@ -73,6 +74,7 @@ def examine(options: CheckOptions) -> dict[str, Any]:
         "steps_between_outputs": choice.outputs_every,
         "duration": choice.steps * choice.step,
         "turns": choice.steps * choice.step / choice.turn if choice.turn else None,
+        **({} if made is None else {"turns_made": made}),
         "settle": mechanism.settings.settle,
         "repeated": refined,
         "estimate": dataclasses.asdict(cost) | {"asks_for_yes": cost.forecast(choice.steps).excess(Path())},

@@ -1,5 +1,6 @@
 """The driver with a smooth run-up."""
 
+import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -7,6 +8,8 @@ from ...numerics.scalar import integer_power
 from ...schema import quantity
 from ..geometry.polynomials import Polynomials
 from .driver import Driver
+
+ROUNDING = 1e-9  # rad and turns
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,6 +42,16 @@ class Ramp(Driver):
             w / integer_power(t, 5),
         )
         return Polynomials((0.0, t), (rising, (offset + 0.5 * w * t, w)))
+
+    def turns_made(self, turn: float, begin: float, duration: float) -> float | None:
+        """Return the turns (1) that the body makes within a ``duration`` (s) from the time ``begin`` (s) on;
+        None if a ``turn`` (s) is not one at the speed, or the run-up is over.
+        """
+        if self.is_linear or abs(self.largest_speed * turn - math.tau) > ROUNDING:
+            return None
+        motion = self.motion()
+        made = abs(motion(begin + duration)[0] - motion(begin)[0]) / math.tau
+        return None if abs(made - duration / turn) <= ROUNDING else made
 
     @property
     def largest_speed(self) -> float:
