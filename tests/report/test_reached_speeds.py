@@ -63,14 +63,14 @@ def test_a_crank_that_runs_up_is_headed_by_the_turns_that_it_makes() -> None:
     model = vfife.load_model(ROOT / "examples" / "slider_crank.toml", set=changes)
     summary = vfife.simulate(model, duration=0.6).summary
     assert summary["run"]["turns"] == pytest.approx(6.0)
-    assert summary["run"]["turns_made"] == pytest.approx(5.0, rel=1e-12)
+    assert summary["run"]["crank_turns"] == pytest.approx(5.0, rel=1e-12)
     assert " · 5 turns · " in heading_sentence(summary)
     assert "(600 ms, 5 turns)" in as_text(document(summary), 200)
     steady = vfife.simulate(vfife.load_model(ROOT / "examples" / "slider_crank.toml"), turns=2).summary
-    assert "turns_made" not in steady["run"] and " · 2 turns · " in heading_sentence(steady)
+    assert "crank_turns" not in steady["run"] and " · 2 turns · " in heading_sentence(steady)
     late = dataclasses.replace(model, start=dataclasses.replace(model.start, time=0.2))
-    assert late.turns_made(0.1, 0.4) is None and late.turns_made(None, 0.4) is None
-    assert model.turns_made(0.1, 0.2) == pytest.approx(1.0) and model.turns_made(0.05, 0.2) is None
+    assert late.crank_turns(0.1, 0.4) is None and late.crank_turns(None, 0.4) is None
+    assert model.crank_turns(0.1, 0.2) == pytest.approx(1.0)
     change = [f"--set=driver.crank.{key}" for key in (f"speed={speed!r}", "ramp=0.2")]
     done = CliRunner().invoke(
         app, ["check", str(ROOT / "examples/slider_crank.toml"), "--duration", "0.6", *change]

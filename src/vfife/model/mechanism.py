@@ -251,15 +251,15 @@ class Mechanism(Builders):
 
         def _repr_html_(self) -> str: ...
 
-    def turns_made(self, turn: float | None, duration: float) -> float | None:
+    def crank_turns(self, turn: float | None, duration: float) -> float | None:
         """Return how many turns the crank with a period of ``turn`` (s) makes within a run of a ``duration``
         (s), if it runs up in it; None otherwise.
         """
-        for driver in self.drivers.values():
-            made = None if turn is None else driver.turns_made(turn, self.clock, duration)
-            if made is not None:
-                return made
-        return None
+        cranks = [driver for driver in self.drivers.values() if driver.has_turns and not driver.is_linear]
+        if turn is None or not cranks:
+            return None
+        fastest = max(cranks, key=lambda driver: driver.largest_speed)
+        return fastest.crank_turns(turn, self.clock, duration)
 
     @property
     def clock(self) -> float:

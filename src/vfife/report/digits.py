@@ -38,6 +38,16 @@ def unit_of(measure: str) -> str:
     return next((unit for ending, unit in UNITS.items() if f".{measure}".endswith(f".{ending}")), "")
 
 
+def shown_uncertainty(summary: Json, name: str) -> float:
+    """Return the uncertainty of a measure that stands beside its range, or less, such that it keeps two
+    digits, as the ends of the range have.
+    """
+    width, value = uncertainty(summary, name), summary["measures"].get(name)
+    if not value or not math.isfinite(value) or is_about_zero(summary, name):
+        return width
+    return min(width, float(f"2e{exponent(value) - 1}"))
+
+
 def uncertainty(summary: Json, name: str) -> float:
     """Return the scatter over turns or the numerical uncertainty of a measure, whichever is larger; 0 if both
     are unknown.
@@ -56,13 +66,6 @@ def uncertainty(summary: Json, name: str) -> float:
         return numerical
     alike = turns.get("motion") != "not periodic" and not turns.get("scatters")
     return max(numerical, scatter) if alike or numerical <= 0.0 else numerical
-
-
-def with_two_digits(value: float, width: float) -> float:
-    """Return the uncertainty ``width`` of a value, or less, such that the value keeps two digits: those of a
-    mean that scatters, beside its range, whose ends have two.
-    """
-    return min(width, 2.0 * 10.0 ** (exponent(value) - 1)) if value and math.isfinite(value) else width
 
 
 def turns_text(summary: Json, name: str, unit: str, share: float = SCATTER) -> str:
@@ -132,9 +135,7 @@ def plain_number(summary: Json, name: str) -> str:
         return (  # 45 contacts are 45 as in the tables of a summary, though companions may have 41
             f"{value:.0f}"
         )
-    width = uncertainty(summary, name)
-    if not is_about_zero(summary, name):
-        width = with_two_digits(value, width)
+    width = shown_uncertainty(summary, name)
     if not isinstance(value, float) or not 1e-3 <= abs(value) < 1e7:
         limited = width > 0.0 and value and math.isfinite(value / width)
         digits = exponent(value) - exponent(width) + 1 if limited else 6

@@ -98,8 +98,8 @@ def heading_sentence(summary: Json) -> str:
     """Return the model, its speeds, the length of the run and the part that values are of."""
     run = summary["run"]
     speeds = [in_rpm(abs(speed)) for speed in run.get("speeds", {}).values()]
-    made = run.get("turns_made", run["turns"])
-    turns = [] if made is None else [f"{made:.4g} turn{'s' * (made != 1.0)}"]
+    count = run.get("crank_turns", run["turns"])
+    turns = [] if count is None else [f"{count:.4g} turn{'s' * (count != 1.0)}"]
     ending = [] if summary["status"] == Status.COMPLETE else [str(summary["status"])]
     length = turns or [prefixed(run["time_s"], "s")]
     part = "means over turns" if over_several_turns(summary["turns"]) else f"values of the {summary['part']}"

@@ -27,11 +27,11 @@ from .digits import (  # fmt: skip
     largest_text,
     measure_text,
     share_text,
+    shown_uncertainty,
     uncertainty,
     unit_of,
     value_text,
     wide_range,
-    with_two_digits,
 )
 from .document import Table, grouped
 from .trust import over_several_turns
@@ -317,10 +317,9 @@ def reaction(summary: Json, name: str, value: float | None) -> str:
         return ABOUT_ZERO
     if is_undetermined(summary, name):
         return NOT_DETERMINED
-    width = (
-        uncertainty(summary, name) if value is None else with_two_digits(value, uncertainty(summary, name))
+    return amount(value, unit_of(name), shown_uncertainty(summary, name)) + (
+        " *" if name in summary["not_unique"] else ""
     )
-    return amount(value, unit_of(name), width) + (" *" if name in summary["not_unique"] else "")
 
 
 def depths_of_onsets(summary: Json) -> Table:

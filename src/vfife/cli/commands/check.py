@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import tomllib
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -53,7 +52,7 @@ def examine(options: CheckOptions) -> dict[str, Any]:
     choice, refined = assembly.choice, repeated(assembly, mechanism.settings.companions)
     companions = companion_count(assembly, choose_loop(assembly, "auto"), mechanism.settings.companions)
     reader = reader_of(options.model, overrides(options.set_))
-    made = mechanism.turns_made(choice.turn, choice.steps * choice.step)
+    count = mechanism.crank_turns(choice.turn, choice.steps * choice.step)
     cost = run_cost(assembly, facts.ideal, companions=companions, refined=refined)
     return {
         "model": mechanism.name,
@@ -76,7 +75,7 @@ def examine(options: CheckOptions) -> dict[str, Any]:
         "steps_between_outputs": choice.outputs_every,
         "duration": choice.steps * choice.step,
         "turns": choice.steps * choice.step / choice.turn if choice.turn else None,
-        **({} if made is None else {"turns_made": made}),
+        **({} if count is None else {"crank_turns": count}),
         "settle": mechanism.settings.settle,
         "repeated": refined,
         "estimate": dataclasses.asdict(cost) | {"asks_for_yes": cost.forecast(choice.steps).excess(Path())},
@@ -118,7 +117,7 @@ def reader_of(path: Path, items: Iterable[tuple[str, Any]]) -> Written:
 def unused_materials(reader: Written) -> list[str]:
     """Return a remark on each material that the file defines and that nothing is made of."""
     return [
-        f"Nothing is made of [material.{name}]: give a body material = {json.dumps(name)}, or a joint"
+        f'Nothing is made of [material.{name}]: give a body material = "{name}", or a joint'
         " bearing_material or journal_material, or leave the table out."
         for name in reader.raw.get("material", {})
         if name not in reader.materials_used

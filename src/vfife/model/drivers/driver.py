@@ -88,9 +88,9 @@ class Driver(Kind):
         """Largest prescribed speed (rad/s or m/s)."""
         return 0.0
 
-    def turns_made(self, turn: float, begin: float, duration: float) -> float | None:
+    def crank_turns(self, turn: float, begin: float, duration: float) -> float | None:
         """Return the turns (1) that the body makes within a ``duration`` (s) from the time ``begin`` (s) on,
-        if a ``turn`` (s) is one at its largest speed and it runs up; None for all other motions.
+        if it runs up then, its ``turn`` at the largest speed taking so long (s); None for all other motions.
         """
         return None
 

@@ -1,6 +1,5 @@
 """The driver with a smooth run-up."""
 
-import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -9,7 +8,7 @@ from ...schema import quantity
 from ..geometry.polynomials import Polynomials
 from .driver import Driver
 
-ROUNDING = 1e-9  # rad and turns
+ROUNDING = 1e-9  # of a turn
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,15 +42,13 @@ class Ramp(Driver):
         )
         return Polynomials((0.0, t), (rising, (offset + 0.5 * w * t, w)))
 
-    def turns_made(self, turn: float, begin: float, duration: float) -> float | None:
-        """Return the turns (1) that the body makes within a ``duration`` (s) from the time ``begin`` (s) on;
-        None if a ``turn`` (s) is not one at the speed, or the run-up is over.
+    def crank_turns(self, turn: float, begin: float, duration: float) -> float | None:
+        """Return the turns (1) that the body makes within a ``duration`` (s) from the time ``begin`` (s) on,
+        its ``turn`` at the speed taking so long (s); None if the run-up is over.
         """
-        if self.is_linear or abs(self.largest_speed * turn - math.tau) > ROUNDING:
-            return None
         motion = self.motion()
-        made = abs(motion(begin + duration)[0] - motion(begin)[0]) / math.tau
-        return None if abs(made - duration / turn) <= ROUNDING else made
+        revolutions = abs(motion(begin + duration)[0] - motion(begin)[0]) / (self.largest_speed * turn)
+        return None if abs(revolutions - duration / turn) <= ROUNDING else revolutions
 
     @property
     def largest_speed(self) -> float:

@@ -329,7 +329,7 @@ def forecast(left: Sequence[Prepared], planned: int) -> cost.Forecast:
         seconds *= 1e9 * cost.timed_step(left[0].assembly) / costs[0].ns_per_step
     besides = recording + sum(price.measuring for price in costs)
     searched = any(prepared.companions and prepared.assembly.choice.automatic for prepared in left)
-    ends = seconds + besides, cost.MOST_TRIES**searched * seconds + besides
+    ends = seconds + besides, (cost.MOST_TRIES if searched else 1.0) * seconds + besides
     steps = sum(prepared.assembly.choice.steps for prepared in left) / max(len(left), 1)
     memory, disk = (
         sum(price.memory - cost.LIBRARIES for price in costs) + cost.LIBRARIES,
