@@ -75,7 +75,7 @@ docs: $(VENV)/.dev  ## build the pages, running every example; a warning is an e
 	@$(PYTHON) -m sphinx -W --keep-going -j auto -b html -d docs/_build/doctrees docs docs/_build/html
 	@echo "docs/_build/html/index.html"
 
-texts: $(VENV)/.runtime  ## run the demo and write its numbers, film and figure into the README and the docs
+texts: $(VENV)/.runtime  ## write the lists of commands and keys into docs, and numbers, film and figure of the demo into the README
 	@$(PYTHON) .ci/texts.py
 
 package: $(VENV)/.dev  ## build wheel and sdist into dist/, and try the wheel in a bare environment outside this folder

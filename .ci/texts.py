@@ -1,12 +1,15 @@
-"""Write the demo's answer into the README, and the film and the figure that the README and the docs show.
+"""Write the demo's answer into the README, the film and the figure that the README and the docs show, and the
+lists of commands and of keys into their pages.
 
-``make texts`` runs it; ``tests/docs/test_readme.py`` compares the README with the demo.
+``make texts`` runs it; ``python .ci/texts.py lists`` writes the lists alone. ``tests/docs/test_readme.py``
+compares the README with the demo, ``tests/docs/test_commands_named.py`` the lists with the package.
 """
 
 import contextlib
 import io
 import re
 import runpy
+import sys
 from pathlib import Path
 
 from PIL import Image
@@ -38,7 +41,30 @@ def shrink(film: Path) -> None:
     first.save(film, save_all=True, append_images=others, duration=1000 // RATE, loop=0, optimize=True)
 
 
+def lists() -> dict[Path, str]:
+    """Return the pages of commands and of keys with the lists that the package has today."""
+    sys.path.insert(0, str(ROOT / "docs" / "extensions"))
+    try:
+        import command_reference as commands
+        import model_reference as keys
+        from tables import with_lists
+    finally:
+        sys.path.pop(0)
+    contents = {"commands.md": (commands.purposes(), commands.page()), "model-reference.md": (keys.page(),)}
+    paths = {ROOT / "docs" / name: texts for name, texts in contents.items()}
+    return {path: with_lists(path.read_text(encoding="utf-8"), *texts) for path, texts in paths.items()}
+
+
 def main() -> None:
+    """Write the lists, and what depends on the demo unless only lists are asked for."""
+    for path, text in lists().items():
+        path.write_text(text, encoding="utf-8")
+        print(path.relative_to(ROOT))
+    if sys.argv[1:] != ["lists"]:
+        write_demo()
+
+
+def write_demo() -> None:
     """Run the demo and write what depends on it."""
     printed, names = demo()
     readme = ROOT / "README.md"

@@ -1,14 +1,15 @@
-"""The page of all commands, made from the command line itself: purpose, arguments, options and defaults."""
+"""The list of all commands, made from the command line itself: purpose, arguments, options and defaults.
+``make texts`` writes it into the page.
+"""
 
 from __future__ import annotations
 
 import re
 from typing import Any
 
-from tables import cell, grid
+from tables import cell, framed, grid
 
 PAGE = "commands"
-MARK, PURPOSES = "@COMMANDS@", "@PURPOSES@"
 OPTION = re.compile(r"(?<![\w`-])(--[a-z][a-z-]*)")  # in a sentence, where dashes would become typographic
 HIDDEN = ("help",)  # options that every command has
 
@@ -41,9 +42,7 @@ def section(words: str, command: Any, level: int) -> str:
     ]
     parts = [f"{'#' * level} {words}", plain(command.help or "")]
     if rows and not hasattr(command, "commands"):
-        parts.append(
-            f":::{{container}} keys\n{grid(('argument or option', 'meaning', 'default'), rows)}\n:::"
-        )
+        parts.append(grid(("argument or option", "meaning", "default"), rows))
     return "\n\n".join(part for part in parts if part)
 
 
@@ -95,10 +94,9 @@ def page() -> str:
 
 
 def fill(app: Any, docname: str, source: list[str]) -> None:
-    """Put the sections into the page before it is read."""
+    """Put the tables of the page into frames before it is read."""
     if docname == PAGE:
-        app.env.note_dependency(str(app.srcdir / "_made" / "made-of"))
-        source[0] = source[0].replace(MARK, page()).replace(PURPOSES, purposes())
+        source[0] = framed(source[0])
 
 
 def setup(app: Any) -> dict[str, bool]:

@@ -1,5 +1,5 @@
 """The reference of model files, made from the JSON Schema that the package ships: every key with its meaning,
-unit, limits and default.
+unit, limits and default. ``make texts`` writes it into the page.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from tables import cell, grid
+from tables import cell, framed, grid
 
 ROOT = Path(__file__).resolve().parents[2]
 SCHEMA = ROOT / "src" / "vfife" / "modelfile" / "model.schema.json"
@@ -69,8 +69,8 @@ def section(head: str, table: dict[str, Any]) -> str:
 
 
 def keys(table: dict[str, Any]) -> str:
-    """The keys of a table, in a frame that stands upright on a phone."""
-    return f"::::{{container}} keys\n{grid(HEAD, rows(table))}\n::::"
+    """The keys of a table."""
+    return grid(HEAD, rows(table))
 
 
 def spoken(name: str, where: str) -> str:
@@ -109,11 +109,9 @@ def page() -> str:
 
 
 def fill(app: Any, docname: str, source: list[str]) -> None:
-    """Puts it into its page before that is read."""
+    """Put the tables of the page into frames before it is read."""
     if docname == PAGE:
-        app.env.note_dependency(str(SCHEMA))
-        app.env.note_dependency(__file__)
-        source[0] = source[0].replace("@TABLES@", page())
+        source[0] = framed(source[0])
 
 
 def setup(app: Any) -> dict[str, bool]:

@@ -1,9 +1,33 @@
-"""Tables in Markdown."""
+"""Tables in Markdown, and lists that a checked-in page holds between two comments."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+
+LIST = re.compile(r"(<!-- list: [^\n]*-->\n\n).*?(\n\n<!-- end of list -->)", re.S)
+
+
+def with_lists(page: str, *lists: str) -> str:
+    """Return a page with these texts between the comments of its lists, in their order. Raises ValueError for
+    another number of lists.
+    """
+    texts, count = iter(lists), len(LIST.findall(page))
+    if count != len(lists):
+        raise ValueError(
+            f"{count} lists between <!-- list: ... --> and <!-- end of list -->, not {len(lists)}"
+        )
+    return LIST.sub(lambda match: f"{match[1]}{next(texts)}{match[2]}", page)
+
+
+def framed(page: str) -> str:
+    """Return a page whose tables of keys and options stand upright on a phone: each in a container."""
+    return re.sub(
+        r"^\| (?:key|argument or option) \|.*\n(?:\|.*(?:\n|$))+",
+        lambda match: f"::::{{container}} keys\n{match[0].rstrip()}\n::::\n",
+        page,
+        flags=re.M,
+    )
 
 
 def cell(text: str) -> str:

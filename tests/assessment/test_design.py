@@ -428,6 +428,21 @@ def test_the_progress_of_a_search_moves_beyond_its_forecast() -> None:
     assert [one.share for one in shown] == pytest.approx([0.625, 0.75, 0.875, 1.0])
 
 
+def test_the_cases_of_a_search_are_within_a_forecast_that_covers_its_dearest_case() -> None:
+    """The first line has the time of all machines that a search may need, so it does not pass its forecast
+    before these.
+    """
+    shown: list[Progress] = []
+    part = PartJob(Job("design", None, False, shown.append), "fits", (0.0, 1.0), limit=1600)
+    for done, total in ((100, 179), (349, 352), (1600, 1700)):
+        part.count(done, total, "cases")
+    first, further, beyond = shown
+    assert "left" in first.text and not first.beyond_forecast
+    assert "349 of 352 cases" in further.text and further.text.endswith("1,600 at most")
+    assert not further.beyond_forecast
+    assert beyond.beyond_forecast and "more than the 1,600 of the forecast" in beyond.text
+
+
 def test_the_first_line_has_the_time_of_the_dearest_case() -> None:
     """All choices close to the limit, the step halved, and ranks, which a sensitive motion needs."""
     part = work(three_loose_pins(), cost=GRADES, turns=10)

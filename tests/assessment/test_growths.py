@@ -5,6 +5,7 @@ import math
 from collections.abc import Callable
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 import vfife
@@ -119,6 +120,44 @@ def test_the_sentence_has_the_computed_effect_whatever_the_derivative() -> None:
     assert "The clearance of pin matters most: 10 µm more changes" in text
     assert "by +5.0 % (4.9 % to 5.1 %)" in text
     assert "linear" not in str(document(design(5.0)).data) and not row(design(5.0), design(5.0).joints[0])[5]
+
+
+def test_where_no_clearance_changes_the_measure_by_more_than_a_hundredth_none_matters(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Over the tolerance of its fit, or with the larger clearance where it has no fit; machines within the
+    limits of the fits differ by no more.
+    """
+    said = (
+        "The clearance of pin does not matter for the largest force on pin (1 kN): it changes it by at most"
+    )
+    text = clearance_sentence(design(0.6))
+    assert text == f"{said} 0.70 % with the larger clearance of the table."
+    assert "matters most: 10 µm more" in clearance_sentence(design(1.0))
+    (pin,) = design(0.6).joints
+
+    def fitted(width: float, *others: JointDesign) -> str:
+        joint = dataclasses.replace(pin, fit="H7/f7", limits=(1e-4, 1e-4 + width))
+        monkeypatch.setattr(Design, "joints", (joint, *others))
+        return clearance_sentence(design(0.6))
+
+    assert fitted(8e-6) == f"{said} 0.70 % over the tolerance of its fit."
+    assert fitted(14e-6) == f"{said} 0.98 % over the tolerance of its fit."
+    assert "pin matters most" in fitted(20e-6)
+    loose = dataclasses.replace(
+        pin, name="wheel", rank=None, effect=Effect(PATH, "change", -0.09, -0.1, -0.08)
+    )
+    text = fitted(8e-6, loose)
+    assert text.startswith(
+        "None of the clearances matters for the largest force on pin (1 kN): each changes it"
+    )
+    assert text.endswith("0.70 % over the tolerance of its fit or with the larger clearance of the table.")
+    large = dataclasses.replace(loose, effect=Effect(PATH, "change", -2.0, -2.1, -1.9))
+    assert "The clearance of wheel matters most" in fitted(8e-6, large)
+    monkeypatch.setattr(Design, "values_within_limits", np.array([1000.0, 1011.0]))
+    assert "pin matters most" in fitted(8e-6)
+    monkeypatch.setattr(Design, "values_within_limits", np.array([1000.0, 1009.0]))
+    assert "does not matter" in fitted(8e-6)
 
 
 def test_a_rank_correlation_of_the_other_sign_is_said_and_no_clearance_matters_most() -> None:

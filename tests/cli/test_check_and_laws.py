@@ -361,3 +361,27 @@ def test_check_says_that_nothing_loads_a_model(command: Callable) -> None:
     said = "No loads: the model has neither a load, nor gravity, nor a spring."
     assert said in command("check", CASE_C).stdout
     assert said not in command("check", CASE_C, "--set", "gravity=[0, -9.81]").stdout
+
+
+def test_check_names_a_material_that_nothing_is_made_of(command: Callable, tmp_path: Path) -> None:
+    """A slip: the material is defined, and the body is still of steel."""
+    iron = '[material.{}]\nyoungs_modulus = "100 GPa"\npoissons_ratio = 0.25\ndensity = "7000 kg/m^3"\n'
+    text = CASE_C.read_text(encoding="utf-8")
+
+    def notes(*names: str, change: str = "") -> list[str]:
+        path = tmp_path / "model.toml"
+        path.write_text("\n".join([text, *map(iron.format, names)]), encoding="utf-8")
+        options = [f"--set={change}"] * bool(change)
+        said = json.loads(command("check", path, "--json", *options).stdout)
+        return [note for note in said["notes"] if "material" in note]
+
+    assert notes() == []
+    (note,) = notes("my")
+    assert note.startswith(
+        'Nothing is made of [material.my]: give a body material = "my", or a joint bearing_material'
+    )
+    assert [note.split(":")[0] for note in notes("my", "other", change="body.coupler.material=my")] == [
+        "Nothing is made of [material.other]"
+    ]
+    assert notes("my", change="joint.C.journal_material=my") == []
+    assert notes("steel") == []  # of which everything is made that names none

@@ -148,7 +148,7 @@ def test_exports_have_the_numbers_to_the_bit(command: Command, closed: Closed, t
     with (tmp_path / "out.csv").open() as stream:
         rows = list(csv.DictReader(stream))
     assert [float(row["C.force.max [N]"]) for row in rows] == found.values("C.force.max").tolist()
-    assert [float(row["play [m]"]) for row in rows] == found.points()[:, 0].tolist()
+    assert [1e-3 * float(row["play [mm]"]) for row in rows] == found.points()[:, 0].tolist()
     # These cases have no repeated sample: the errors are not estimated.
     heads = list(rows[0])
     assert heads[heads.index("C.force.max [N]") + 1] == "C.force.max.error [N]"
@@ -156,10 +156,11 @@ def test_exports_have_the_numbers_to_the_bit(command: Command, closed: Closed, t
     assert (rows[0]["C.impacts"], rows[0]["reason"]) == ("", "it has no measure C.impacts")
     with (tmp_path / "commas.csv").open(encoding="utf-8-sig") as stream:
         commas = list(csv.DictReader(stream, delimiter=";"))
-    # Readers find the numbers as the study file has them; programs find all digits, in SI units.
-    assert [row["play [mm]"] for row in commas] == [
-        f"{1e3 * float(row['play [m]']):.7g}".replace(".", ",") for row in rows
-    ]
+    # Both have the units of the study file; those with decimal points have all digits.
+    assert list(commas[0]) == list(rows[0])
+    assert [float(row["play [mm]"].replace(",", ".")) for row in commas] == pytest.approx(
+        [float(row["play [mm]"]) for row in rows], rel=5e-7
+    )
     assert [float(row["C.force.max [N]"].replace(",", ".")) for row in commas] == pytest.approx(
         [float(row["C.force.max [N]"]) for row in rows], rel=5e-7
     )
@@ -261,7 +262,7 @@ def test_a_study_whose_cases_are_all_damaged_is_shown(
     assert done.exit_code == 0, done.exception
     assert "this study file is damaged: 6 cases are damaged" in done.stderr and "0 cases" in done.stdout
     command("study", "export", "x.study", "x.csv")
-    assert (tmp_path / "x.csv").read_text().startswith("case,play [m],speed [rad/s],"), (
+    assert (tmp_path / "x.csv").read_text().startswith("case,play [mm],speed [rad/s],"), (
         "the names of columns stay"
     )
 

@@ -1,7 +1,10 @@
-"""The page of commands names every command by its purpose and describes all of them; no page invents one."""
+"""The page of commands names every command by its purpose and describes all of them; no page invents one. The
+lists that a page holds are those of the package.
+"""
 
 import importlib
 import re
+import runpy
 from pathlib import Path
 
 import pytest
@@ -22,7 +25,6 @@ def reference(monkeypatch: pytest.MonkeyPatch):
 
 def test_every_command_has_a_purpose(reference):
     """The page takes its table of purposes from the groups of the help."""
-    assert reference.PURPOSES in (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
     table = reference.purposes()
     assert [name for name in COMMANDS if len(re.findall(rf"`vfife {name}`", table)) != 1] == []
 
@@ -44,3 +46,18 @@ def test_every_command_and_option_is_described(reference):
             options = [one for parameter in command.params for one in getattr(parameter, "opts", [])]
             missing = [one for one in options if one.startswith("--") and one != "--help" and one not in text]
             assert missing == [], words
+
+
+@pytest.mark.parametrize("name", ["commands.md", "model-reference.md"])
+def test_the_lists_in_a_checkout_are_those_of_the_package(name, reference, monkeypatch):
+    """A reader of the repository sees the list itself, and the pages are built from it."""
+    monkeypatch.setattr("sys.argv", ["texts.py"])
+    pages = runpy.run_path(str(ROOT / ".ci" / "texts.py"))["lists"]()
+    text = (ROOT / "docs" / name).read_text(encoding="utf-8")
+    assert text == pages[ROOT / "docs" / name], "run: python .ci/texts.py lists"
+    assert not re.search(r"@[A-Z]+@", text) and text.count("\n| `") > 100
+    framed = importlib.import_module("tables").framed(text)
+    assert (
+        framed.count("::::{container} keys\n| ") == len(re.findall(r"^\| (?:key|argument)", text, re.M)) > 20
+    )
+    assert framed.replace("::::{container} keys\n", "").replace("::::\n", "") == text

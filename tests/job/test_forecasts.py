@@ -9,6 +9,7 @@ import math
 import time
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -22,9 +23,11 @@ from tribology.test_wear import GIVEN, loose_pin
 from vfife import gallery
 from vfife.assembly.assemble import assemble
 from vfife.cli.app import app
+from vfife.cli.commands.compare import FIGURES, ComparisonJob
+from vfife.cli.job import CommandJob
 from vfife.errors import ModelError
 from vfife.job import cost
-from vfife.job.cost import CHUNK_STEPS, Forecast, Stream, cores, timed_step
+from vfife.job.cost import CHUNK_STEPS, START, Forecast, Stream, cores, timed_step
 from vfife.job.job import Job, job_of
 from vfife.modelfile.parameter import numbers
 from vfife.simulation.simulate import prepare, run_prepared
@@ -183,6 +186,36 @@ def test_runs_of_a_comparison() -> None:
     found = vfife.compare(vfife.load_model(BASE), ["pereira", "liu"], turns=0.05, progress=job)
     assert job.forecast.count == len(found.rows) == 2
     assert job.forecast.steps == sum(one.record.assembly.choice.steps for one in found.results) / 2
+
+
+def test_a_comparison_is_forecast_with_halved_steps_and_measures(tmp_path: Path) -> None:
+    """The steps of the first try, without measures, were a sixth of the work."""
+    job, model = Recorder(), gallery.compressor()
+
+    def compared(folder: Path) -> float:
+        began = time.process_time()
+        folder.mkdir()
+        vfife.compare(model, ["hertz", "gonthier"], companions=3, turns=2, progress=job, folder=folder)
+        return time.process_time() - began
+
+    compared(tmp_path / "compiled")
+    taken, ends = compared(tmp_path / "again"), job.forecast.ends
+    assert ends is not None and ends[0] < job.forecast.seconds < ends[1]
+    assert 1.0 / BY < job.forecast.seconds / taken < BY, (job.forecast.seconds, taken)
+    assert "as the automatic step is halved or not" in job.forecast.note and job.forecast.threads == 1
+    vfife.compare(model, ["hertz", "gonthier"], companions=3, turns=2, step=1e-6, progress=job)
+    assert job.forecast.ends is None
+
+
+def test_a_command_that_compares_forecasts_its_start_and_its_figures(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    told = list[Forecast]()
+    monkeypatch.setattr(CommandJob, "begin", lambda self, forecast: told.append(forecast))
+    for figures in (True, False):
+        options = SimpleNamespace(figures=figures, quiet=True)
+        ComparisonJob(tmp_path / "x", "", options).begin(Forecast("run", seconds=2.0))  # type: ignore[arg-type]
+    assert [one.seconds for one in told] == pytest.approx([2.0 + START + FIGURES, 2.0 + START])
 
 
 def test_a_step_is_timed_by_few_steps_however_far_apart_outputs_are(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -147,6 +147,8 @@ def test_rounding_of_nothing_is_nothing(opened):
     page = opened(page_of(gallery.four_bar_case_b()))
     words = page.evaluate('() => [1e-300, 0, 2.5e-9, 1200].map((force) => live.quantity(force, "N"))')
     assert words == ["0 N", "0 N", "0.0025 µN", "1.2 kN"]
+    counts = page.evaluate('() => [0, 1e-300, 7].map((count) => live.quantity(count, "1"))')
+    assert counts == ["0", "0", "7"]
 
 
 def test_names_are_text_and_nothing_else(opened):

@@ -12,7 +12,7 @@ from support import four_bar
 from vfife.laws import Coulomb
 from vfife.measures import wear
 from vfife.measures.catalogue import OVER_TURN, PEAKS, RequestedMeasures
-from vfife.measures.contacts import losses, mean_power, spent_energy
+from vfife.measures.contacts import largest_sliding, losses, mean_power, spent_energy
 from vfife.measures.energy import driving, ledger, too_open
 from vfife.measures.forces import ground_load, largest_shaking
 from vfife.measures.turns import last_turn
@@ -56,6 +56,39 @@ def test_a_power_that_grows_evenly_has_lost_half_its_square(kind, block):
     assert found[f"J.{kind}_power.mean"] == pytest.approx(20.0 * (TIME[-1] + TIME[4]), rel=1e-12)
     term = {"friction": "friction_loss", "impact": "contact_loss"}[kind]
     assert ledger(record).terms[term] == pytest.approx(20.0 * TIME**2, rel=1e-12, abs=1e-15)
+
+
+RADIUS = 0.01 - 5e-4  # of the journal in ``rubbing``, m
+
+
+def spinning(speed, acceleration, touches, duration):
+    """The journal turns with ``speed`` (at 0) and ``acceleration`` in its bearing."""
+    turning = speed + acceleration * (TIME + 0.5 * STEP)
+    blocks = {
+        "particle_x": np.stack([0.0 * TIME, 0.0 * TIME + 5e-4], axis=1),  # against the bearing
+        "particle_w": np.stack([0.0 * TIME, turning], axis=1),
+        "particle_aw": np.stack([0.0 * TIME, 0.0 * TIME + acceleration], axis=1),
+    }
+    depth = np.where(touches, 1e-12, -1e-9)
+    return rubbing(**blocks, contact_penetration=depth, contact_duration=duration)
+
+
+def test_a_journal_that_turns_ever_faster_slides_over_half_the_square_of_the_time():
+    """w = a t: the surface slides R a t^2/2, exactly by the trapezoidal rule."""
+    record = spinning(0.0, 40.0, np.full(len(TIME), True), TIME)
+    way = largest_sliding(record, STEPS > 0)["J.sliding_distance.total"]
+    assert way == pytest.approx(RADIUS * 0.5 * 40.0 * TIME[-1] ** 2, rel=1e-6)
+    late = largest_sliding(record, STEPS > 20)["J.sliding_distance.total"]
+    assert late == pytest.approx(RADIUS * 0.5 * 40.0 * (TIME[-1] ** 2 - TIME[4] ** 2), rel=1e-6)
+
+
+def test_a_journal_slides_while_it_touches_also_before_it_leaves():
+    """w R times the time in contact: an interval with an end apart has the speed of its other end."""
+    touches = np.arange(len(TIME)) % 4 != 2
+    touching = np.where(touches[1:] & touches[:-1], np.diff(TIME), 0.3 * np.diff(TIME))
+    record = spinning(25.0, 0.0, touches, np.concatenate([[0.0], np.cumsum(touching)]))
+    way = largest_sliding(record, STEPS > 0)["J.sliding_distance.total"]
+    assert way == pytest.approx(RADIUS * 25.0 * touching.sum(), rel=1e-6)
 
 
 def test_a_driver_whose_power_grows_evenly():

@@ -166,6 +166,6 @@ def test_one_turn_of_one_lane_suffices_only_where_no_blow_is_cautioned_about(mon
         "vfife.report.damping_cautions.damped_peaks", lambda record, motion: {"big-end": peaks}
     )
     assert list(damping_cautions(result)) == ["big-end"]
-    blows = {"big-end": RaisedPeaks(30, 30)}
-    monkeypatch.setattr("vfife.report.damping_cautions._blow_counts", lambda run: blows)
+    shocks = {"big-end": RaisedPeaks(30, 30)}
+    monkeypatch.setattr("vfife.report.damping_cautions._shock_counts", lambda run: shocks)
     assert damping_cautions(result) == {}

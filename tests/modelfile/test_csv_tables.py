@@ -12,7 +12,7 @@ import vfife
 from model_texts import COMPRESSOR as MODEL
 from model_texts import GAS
 from vfife.cli.app import app
-from vfife.cli.commands.check import defaults_of
+from vfife.cli.commands.check import defaults_of, reader_of
 from vfife.errors import ModelError
 from vfife.modelfile import csvtables, dump, load, loads
 
@@ -185,7 +185,9 @@ def test_what_is_no_file_or_too_large_is_told(tmp_path, monkeypatch):
 
 def test_check_tells_its_defaults(tmp_path):
     path = model(tmp_path, GAS + 'table = "gas.csv"\n')
-    assert {"load.gas.interpolation", "load.gas.reverse"} <= {one["path"] for one in defaults_of(path, [])}
+    assert {"load.gas.interpolation", "load.gas.reverse"} <= {
+        one["path"] for one in defaults_of(reader_of(path, []))
+    }
     answer = CliRunner().invoke(app, ["check", str(path)])
     assert answer.exit_code == 0, answer.output
 

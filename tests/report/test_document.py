@@ -330,11 +330,11 @@ def test_a_report_names_no_options() -> None:
 def test_a_report_names_laws_to_compare_instead_of_a_command() -> None:
     machine = vfife.gallery.compressor()
     pins, all_joints = ["big-end", "small-end"], list(machine.contacts)
-    told = [f"Blows: {comparison(machine, names)}." for names in (pins, all_joints)]
+    told = [f"Shocks: {comparison(machine, names)}." for names in (pins, all_joints)]
     assert all("--" in text for text in told)
     assert [without_options(text) for text in told] == [
-        "Blows: compare the contact laws lankarani-nikravesh, hertz and gonthier.",
-        "Blows: compare contact.law=hertz in these joints.",
+        "Shocks: compare the contact laws lankarani-nikravesh, hertz and gonthier.",
+        "Shocks: compare contact.law=hertz in these joints.",
     ]
 
 

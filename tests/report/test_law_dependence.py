@@ -1,5 +1,5 @@
 """The caution on forces that the contact law decides: the same at neighbouring clearances, confirmed by
-another law, and absent where blows do not make the largest force.
+another law, and absent where shocks do not make the largest force.
 """
 
 import dataclasses
@@ -15,7 +15,7 @@ from vfife.laws import ContactLaw, Hertz, LankaraniNikravesh
 from vfife.measures.forces import joint_force_max, joint_rows
 from vfife.measures.turn_peaks import RaisedPeaks, contact_laws, damped_peaks, raised_peaks, turn_lanes
 from vfife.modelfile import load
-from vfife.report.damping_cautions import blow_cautions, comparison, damping_cautions, law_change
+from vfife.report.damping_cautions import comparison, damping_cautions, law_change, shock_cautions
 from vfife.report.overview import certainty
 from vfife.simulation.result import Result
 
@@ -48,7 +48,7 @@ def small(clearance: str, law: str = "lankarani-nikravesh") -> Result:
 def warnings_of(result: Result) -> dict[str, str]:
     """Return the warning about each joint whose force depends on the law."""
     damped = damping_cautions(result)
-    return damped | blow_cautions(result, damped)
+    return damped | shock_cautions(result, damped)
 
 
 def test_a_neighbouring_clearance_has_the_same_caution() -> None:
@@ -67,7 +67,7 @@ def test_a_neighbouring_clearance_has_the_same_caution() -> None:
         assert (
             text in result.summary["warnings"]
             and "Joints small-end (in " in text
-            and "), cylinder: blows" in text
+            and "), cylinder: shocks (knocks, or blows in closed contact) make" in text
         )
     assert shares[0] < 0.5 < 0.8 < shares[1]
 
@@ -75,8 +75,10 @@ def test_a_neighbouring_clearance_has_the_same_caution() -> None:
 def test_a_law_without_damping_is_as_decisive_and_moves_the_force_beyond_its_range() -> None:
     undamped, damped = small("33 um", "hertz"), small("33 um")
     assert damping_cautions(undamped) == {}
-    (text,) = set(blow_cautions(undamped, ()).values())
-    assert text.startswith("Joints big-end, small-end, cylinder: blows make the largest force")
+    (text,) = set(shock_cautions(undamped, ()).values())
+    assert text.startswith(
+        "Joints big-end, small-end, cylinder: shocks (knocks, or blows in closed contact) make the"
+    )
     assert "the contact law (hertz without damping)" in text
     assert "without damping" not in warnings_of(damped)["cylinder"]
     for name in ("big-end", "cylinder"):
@@ -111,19 +113,19 @@ def test_a_periodic_motion_has_no_caution_although_blows_make_its_forces() -> No
     result = vfife.simulate(gallery_model("four_bar"))
     counts = raised_peaks(result.record, result.reference.measures, result.motion)
     assert counts["B"].raised == counts["B"].turns == 24
-    assert blow_cautions(result, ()) == {}
+    assert shock_cautions(result, ()) == {}
 
 
 @pytest.mark.parametrize(("raised", "cautioned"), [(0, False), (3, False), (4, True), (40, True)])
 def test_a_tenth_of_the_turns_decides(monkeypatch, raised, cautioned) -> None:
     counts = {"big-end": RaisedPeaks(raised, 40)}
     monkeypatch.setattr("vfife.report.damping_cautions.raised_peaks", lambda *of: counts)
-    found = blow_cautions(small("33 um"), ())
+    found = shock_cautions(small("33 um"), ())
     assert ("big-end" in found) == cautioned
     assert not cautioned or (f"big-end (in {raised} of 40 turns of the run" in found["big-end"]) == (
         raised < 40
     )
-    assert blow_cautions(small("33 um"), ["big-end"]) == {}
+    assert shock_cautions(small("33 um"), ["big-end"]) == {}
 
 
 @pytest.mark.parametrize(
@@ -146,7 +148,7 @@ def test_a_motion_that_does_not_repeat_or_a_wide_range_is_sensitive(
         motion=dataclasses.replace(result.motion, motion=motion),
         measures={f"{name}.force.max": force for name in JOINTS},
     )
-    assert bool(blow_cautions(changed, ())) == cautioned
+    assert bool(shock_cautions(changed, ())) == cautioned
 
 
 NUMBERS = {

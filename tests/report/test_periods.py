@@ -21,6 +21,7 @@ from vfife.measures.trend import Points, alternation
 from vfife.report.digits import plain_number, range_text, turns_text
 from vfife.report.document import Facts
 from vfife.report.run_file import info
+from vfife.report.run_tables import reaction
 from vfife.report.summary import show
 from vfife.simulation.result import Result
 
@@ -87,6 +88,31 @@ def test_no_turn_of_period_two_exceeds_what_is_shown(step: str) -> None:
     assert mean == pytest.approx(force, abs=5e-3 * force) and "forces and torques" in text
     assert "means of forces and torques change by" in text
     assert ("does not divide a turn" in text) == (step != "auto")
+
+
+def test_a_mean_that_scatters_has_two_digits_beside_its_range() -> None:
+    """As the ends of its range: 662 N of 604 to 709 N is 660, not 700."""
+    bounds = {"low": 604.0, "high": 709.0, "lowest": 636.0, "highest": 765.0, "estimated": True}
+    names = (
+        "big.force.max",
+        "small.force.max",
+        "near.force.max",
+        "rod.angular_acceleration.max",
+        "big.penetration.max",
+    )
+    values = (662.3, 476.4, 96.2, 6234.0, 1.58e-6)
+    summary = {
+        "measures": dict(zip(names, values, strict=True)),
+        "ranges": {names[0]: bounds, names[1]: bounds | {"low": 323.0, "high": 608.0}}
+        | {names[2]: bounds | {"low": 90.0, "high": 105.0}, names[3]: bounds | {"low": 0.0, "high": 15000.0}}
+        | {names[4]: bounds | {"low": 1.19e-6, "high": 2.09e-6}},
+        "turns": {"motion": "not periodic"}, "not_estimated": [], "not_unique": [],
+    }  # fmt: skip
+    assert [plain_number(summary, name) for name in names] == ["660", "480", "96", "6200", "1.6e-06"]
+    shown = [reaction(summary, name, summary["measures"][name]) for name in names[:4]]
+    assert shown == ["660 N", "480 N", "96 N", "6,200 rad/s²"]
+    summary["about_zero"] = {names[2]: 100.0}
+    assert plain_number(summary, names[2]) == "100" and reaction(summary, names[2], 96.2) == "about 0"
 
 
 def test_every_printed_mean_lies_in_its_range(tmp_path: Path) -> None:

@@ -262,7 +262,7 @@ class DataTable:
 
         Raises OSError.
         """
-        write_rows(path, self.table())
+        write_rows(path, self.spreadsheet())
 
     def tables(self) -> dict[str, Iterable[Sequence[Any]]]:
         """Return the tables of a workbook by the titles of their sheets."""

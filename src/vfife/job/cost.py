@@ -114,6 +114,19 @@ class Forecast:
     ends: tuple[float, float] | None = None
     bound: float = math.inf
 
+    def with_ends(self, low: float, high: float) -> Forecast:
+        """Return this forecast with the time (s) with an automatic step that is not halved, and with one that
+        is halved twice, within one factor of both.
+        """
+        note = f", {span(low)} to {span(high)} as the automatic step is halved or not"
+        return dataclasses.replace(self, seconds=math.sqrt(low * high), note=note, ends=(low, high))
+
+    def longer(self, seconds: float) -> Forecast:
+        """Return this forecast with the seconds that a command needs beside its runs."""
+        if self.ends is None:
+            return dataclasses.replace(self, seconds=self.seconds + seconds)
+        return self.with_ends(self.ends[0] + seconds, self.ends[1] + seconds)
+
     @property
     def longest(self) -> float:
         """Time (s) in the dearest case."""

@@ -61,6 +61,7 @@ class Job:
         self.progress = self.line if progress is None else progress
         self.counter: Counter | None = None
         self.began = time.monotonic()
+        self.limit = 0
 
     def begin(self, forecast: Forecast) -> None:
         """Compare a forecast with this machine before the work begins. Raises ModelError for hours of work,
@@ -90,7 +91,7 @@ class Job:
 
     def count(self, done: int, total: int, noun: str, failed: bool = False) -> None:
         """Report that one more of many equal items is done."""
-        self.counter = self.counter or Counter(noun, self.began)
+        self.counter = self.counter or Counter(noun, self.began, self.limit)
         self(self.counter(done, total, failed))
 
     def interrupted(self) -> None:

@@ -166,11 +166,12 @@ def plain_text(text: str) -> Any:
 
 class Counter:
     """Progress of work that ``began`` at a monotonic time (s), on many equal items: number done, rate and
-    remaining time.
+    remaining time. ``limit``: the largest number of items of a search whose forecast covers it; 0 for other
+    work.
     """
 
-    def __init__(self, noun: str, began: float) -> None:
-        self.noun, self.began, self.failed = noun, began, 0
+    def __init__(self, noun: str, began: float, limit: int = 0) -> None:
+        self.noun, self.began, self.limit, self.failed = noun, began, limit, 0
         self.first: int | None = None
         self.forecast: int | None = None  # the total when the work began
 
@@ -183,8 +184,10 @@ class Counter:
         rate = (done - self.first) / seconds
         left = f"{span((total - done) / rate)} left" if done < total and rate else f"in {span(seconds)}"
         bad = f"  {self.failed:,} failed" if self.failed else ""
-        if surplus := total > self.forecast:
-            left = f"more than the {self.forecast:,} of the forecast"
+        if self.limit and self.forecast < total <= self.limit:
+            left = f"{self.limit:,} at most"
+        if surplus := total > max(self.forecast, self.limit):
+            left = f"more than the {max(self.forecast, self.limit):,} of the forecast"
         text = f"{done:,} of {total:,} {self.noun}  {rate:.3g} {self.noun}/s  {left}{bad}"
         return Progress(done, total, seconds, text, surplus)
 

@@ -98,9 +98,15 @@ def sliding_speed(record: Record, reaches: tuple[Array, Array] | None = None) ->
     n = normals(record)
     t = np.stack([-n[..., 1], n[..., 0]], axis=2)
     total = relative_velocity(record, places(record) if reaches is None else reaches)
+    touches = _film(record) | (record.block("contact_penetration") > 0.0)
+    return np.where(touches, (total * t).sum(axis=2), 0.0)
+
+
+def _film(record: Record) -> NDArray[np.bool_]:
+    """Return which contacts have a film between their surfaces, shape (contacts,)."""
     contacts = record.assembly.mechanism.contacts
-    film = np.array([contacts[name].contact.film for name in record.assembly.contact_joints])
-    return np.where(film | (record.block("contact_penetration") > 0.0), (total * t).sum(axis=2), 0.0)
+    names = record.assembly.contact_joints
+    return np.array([contacts[name].contact.film for name in names], dtype=bool)
 
 
 def relative_velocity(record: Record, arms: tuple[Array, Array] | None = None) -> Array:
@@ -131,14 +137,18 @@ def largest_sliding(record: Record, window: Window) -> dict[str, float]:
     """Return ``<contact>.sliding_velocity.max`` (m/s), max|v| at the outputs, and
     ``<joint>.sliding_distance.total`` (m).
 
-    The distance is the sum of |v| at each output times the time in contact since the output before.
+    The distance is the sum over the intervals between outputs of the time in contact times |v|: the mean of
+    |v| at both outputs where the contact touches at both, |v| at the one where it touches at one.
     """
-    # |v| at an output stands for the interval before it, weighted by the time in contact, which is exact. The
-    # sum of |v| over all steps would need another row of the state for each contact.
+    # The time in contact within an interval is exact. The sum of |v| over all steps would need another row of
+    # the state for each contact.
     part, inside = of_window(record, window)
     speed, turn = np.abs(sliding_speed(part)), of_turn(record, window, part)
     speeds = speed if turn is part else np.abs(sliding_speed(turn))
-    way = (speeds[1:] * np.diff(turn.block("contact_duration"), axis=0)).sum(axis=0)
+    touches = np.asarray(_film(turn) | (turn.block("contact_penetration") > 0.0), dtype=float)
+    ends = touches[1:] + touches[:-1]
+    mean = (speeds[1:] + speeds[:-1]) / np.maximum(ends, 1.0)
+    way = (mean * np.diff(turn.block("contact_duration"), axis=0)).sum(axis=0)
     values = named(record.assembly.contacts, {"sliding_velocity.max": speed[inside].max(axis=0)})
     return values | {
         f"{name}.sliding_distance.total": float(value) for name, value in per_joint(record, way).items()

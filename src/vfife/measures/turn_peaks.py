@@ -1,4 +1,4 @@
-"""Largest forces of contacts turn by turn: how much of them is damping, and whether a blow makes them.
+"""Largest forces of contacts turn by turn: how much of them is damping, and whether a shock makes them.
 
 A hysteresis law damps in proportion to the rate of penetration over the speed at which the contact began. A
 contact that began slowly and is struck while it is closed has a force far beyond its elastic one. The step
@@ -8,8 +8,9 @@ largest force is damping at least. Of the earlier turns of a companion that boun
 of the turn.
 
 The largest force of a joint without play follows from the motion of the ideal mechanism, and no contact law
-changes it. Clearance adds blows. Where one raises the largest force of a turn far above that of the ideal
-joint, the law decides the force: its stiffness how hard the blow is, its damping how fast the next one.
+changes it. Clearance adds shocks: knocks, which begin a contact, and blows in closed contact. Where one
+raises the largest force of a turn far above that of the ideal joint, the law decides the force: its stiffness
+how hard the shock is, its damping how fast the next one.
 
 Turns that do not repeat have other forces, and a single turn represents none of the others. All turns of the
 measures are therefore counted, of the run and of its companions.

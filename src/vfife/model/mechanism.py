@@ -251,6 +251,16 @@ class Mechanism(Builders):
 
         def _repr_html_(self) -> str: ...
 
+    def crank_turns(self, turn: float | None, duration: float) -> float | None:
+        """Return how many turns the crank with a period of ``turn`` (s) makes within a run of a ``duration``
+        (s), if it runs up in it; None otherwise.
+        """
+        cranks = [driver for driver in self.drivers.values() if driver.has_turns and not driver.is_linear]
+        if turn is None or not cranks:
+            return None
+        fastest = max(cranks, key=lambda driver: driver.largest_speed)
+        return fastest.crank_turns(turn, self.clock, duration)
+
     @property
     def clock(self) -> float:
         """Time (s) of drivers and loads at the beginning of a run; 0 for a static analysis."""

@@ -140,7 +140,7 @@ def merged(target: str) -> dict[str, tuple[Table, bool]]:
 
 class Written(Reader):
     """Reader of a model file. ``shapes`` are the tables read, by path; ``paths_set`` the paths of values that
-    do not stand in the file.
+    do not stand in the file; ``materials_used`` the names of the materials that something is made of.
     """
 
     def __init__(self, raw: Raw, paths_set: set[Path]) -> None:
@@ -148,6 +148,7 @@ class Written(Reader):
         self.raw, self.given = raw, paths_set
         self.materials: dict[str, Material | None] = dict(MATERIALS)
         self.shapes: list[tuple[Path, Table, Raw]] = []
+        self.materials_used: set[str] = set()
 
     def add(self, fault: Fault) -> None:
         """Add a fault; one of a value outside the file is marked."""
@@ -191,6 +192,7 @@ class Written(Reader):
                 if (getattr(item, side) or "").startswith("ground.")
             ]
             steel = {key: self.materials["steel"] for key in unsaid if key not in holder}
+            self.materials_used |= {"steel"} if steel else set()
             item = partial(type(item), vars(item) | steel)
         return item
 
@@ -218,6 +220,7 @@ class Written(Reader):
         for key, field in kind.fields.items():
             if key not in holder and field.default_factory is Material:  # of steel, as the file has it
                 values[field.name] = self.materials[Material().name]
+                self.materials_used.add(Material().name)
         return self.build(kind.model_class, values, fault_count)
 
     def inner(self, path: Path, kind: type, value: Any) -> Any:
@@ -232,6 +235,7 @@ class Written(Reader):
         if name is not None and name not in self.materials:
             remedy = suggestion(name, self.materials, f"add a table [material.{name}]")
             self.refuse(path, "there is no material of this name", shown(name), "", remedy)
+        self.materials_used |= {name} if name is not None else set()
         return self.materials.get(name)
 
     def chosen(self, path: Path, base: type, value: Any) -> Any:

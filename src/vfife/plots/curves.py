@@ -32,11 +32,11 @@ from .style import (
     VERMILION,
     Array,
     corner_text,
-    digits,
     mark_peak,
     peak_digits,
     readable,
     scale_of,
+    turns_digits,
 )
 from .turn import Span, shown_part, shown_span
 
@@ -328,8 +328,8 @@ def draw(ax: Axes, result: RunData, reference: RunData | None, quantity: Quantit
 def _peak(
     ax: Axes, result: RunData, quantity: Quantity, span: Span, reach: Reach, factor: float, unit: str
 ) -> None:
-    """Mark the reported peak and write its value; of a mean over turns also the highest of them, which is the
-    one that is marked.
+    """Mark the reported peak and write its value; of a mean over turns also the range of single turns that
+    the answer has. The highest of the turns that are drawn is marked.
     """
     measure = result.measures.get(quantity.peak)
     if measure is None:
@@ -343,7 +343,9 @@ def _peak(
     times = "" if quantity.unit in PREFIXED or factor == 1.0 else "× "
     peak = f"peak {peak_digits(measure, factor)}"
     if span.turns is not None:
-        peak = f"mean {peak}, highest {digits(factor * sizes[k])}"
+        motion = result.motion.motion if result.motion is not None else ""
+        single = turns_digits(measure, factor, motion)
+        peak = f"mean {peak}, single turns {single}" if single else f"mean {peak}"
     corner_text(ax, f"{peak} {times}{unit}")
 
 

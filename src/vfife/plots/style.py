@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from ..files import replacement
 from ..measures.values import Measured
 from ..report.amounts import interval
-from ..report.digits import CERTAIN
+from ..report.digits import CERTAIN, SCATTER, fineness
 
 Array = NDArray[np.float64]
 BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#56B4E9", "#CC79A7"
@@ -185,6 +185,18 @@ def peak_digits(peak: float, factor: float) -> str:
         return digits(factor * peak)
     low, high, width = (factor * size for size in (peak.low, peak.high, peak.width))
     return interval(low, high, "", width, prefix=False).strip()
+
+
+def turns_digits(peak: float, factor: float, motion: str) -> str:
+    """Return the range of single turns of a mean over turns, with the digits of the answer; "" where the
+    answer has none, because turns hardly differ or lie within the range of the mean.
+    """
+    if not isinstance(peak, Measured) or peak.variation <= SCATTER * peak.highest:
+        return ""
+    if peak.estimated and peak.low <= peak.lowest and peak.highest <= peak.high:
+        return ""
+    low, high, width = (factor * size for size in (peak.lowest, peak.highest, peak.variation))
+    return interval(low, high, "", fineness(motion) * width, prefix=False).strip()
 
 
 def curve_look(k: int) -> dict[str, Any]:

@@ -21,7 +21,7 @@ from ..measures.whirl import backward_whirls
 from ..model.surfaces import cautions, law_facts, remarks, surfaces
 from ..model.validation.plausibility import clearances_at_rest, suspect_surfaces
 from ..solvers.status import Status
-from .damping_cautions import blow_cautions, damping_cautions
+from .damping_cautions import damping_cautions, shock_cautions
 from .divergence import FLOOR, soft_contact
 from .document import grouped
 from .trust import static_verdict
@@ -87,7 +87,7 @@ def transient_cautions(result: RunData, verdict: str, of_laws: Mapping[str, str]
     yield from rounding_cautions(result)
     yield from whirl_cautions(record)
     yield from dict.fromkeys(of_laws.values())
-    yield from dict.fromkeys(blow_cautions(result, of_laws).values())
+    yield from dict.fromkeys(shock_cautions(result, of_laws).values())
     yield from open_contact_cautions(record)
     yield from out_of_range(result)
     if result.ledger.error > OPEN:

@@ -166,6 +166,7 @@ def _transient(check: Mapping[str, Any], long: bool) -> list[str]:
         else f"as given; the stable step is set by {step['set_by']}"
     )
     turns = f" = {check['turns']:.6g} turns" if check["turns"] else ""
+    turns += f" at full speed; the run-up leaves {check['crank_turns']:.6g}" if "crank_turns" in check else ""
     until = f", or less: until turns repeat within {100.0 * check['settle']:.3g} %" if check["settle"] else ""
     limits = sorted(step["limits"].items(), key=lambda item: float(item[1]))
     shown = limits if long or len(limits) <= LIMITS + 1 else limits[:LIMITS]

@@ -1,6 +1,7 @@
-"""Cautions about largest forces that the contact law decides: by its damping, or because blows make them.
+"""Cautions about largest forces that the contact law decides: by its damping, or because shocks make
+them: knocks, or blows in closed contact.
 
-Whether a caution appears depends on the share of turns of the run and its companions, not on the single blow
+Whether a caution appears depends on the share of turns of the run and its companions, not on the single shock
 that holds the peak.
 """
 
@@ -34,13 +35,13 @@ COMPARED = "hertz", "lankarani-nikravesh", "gonthier"
 
 def damping_cautions(result: RunData) -> dict[str, str]:
     """Return a sentence on each joint whose largest force is mostly damping in a tenth of the turns or more,
-    with what bounds it. For a joint without blows a tenth of the turns of one lane suffices, because of
+    with what bounds it. For a joint without shocks a tenth of the turns of one lane suffices, because of
     companions only the least shares are known.
     """
-    mechanism, blows = result.record.assembly.mechanism, _blow_counts(result)
+    mechanism, shocks = result.record.assembly.mechanism, _shock_counts(result)
     sentences = {}
     for name, peaks in damped_peaks(result.record, result.motion).items():
-        if peaks.damped < TURNS * peaks.turns and (name in blows or peaks.frequency < TURNS):
+        if peaks.damped < TURNS * peaks.turns and (name in shocks or peaks.frequency < TURNS):
             continue
         share = significant(100.0 * peaks.largest.share, 2, DOWN)
         amount = f"at least {share} % of its largest force"
@@ -54,19 +55,20 @@ def damping_cautions(result: RunData) -> dict[str, str]:
     return sentences
 
 
-def blow_cautions(result: RunData, exceptions: Iterable[str]) -> dict[str, str]:
+def shock_cautions(result: RunData, exceptions: Iterable[str]) -> dict[str, str]:
     """Return one sentence for all joints whose forces the step moves and whose largest force is made by a
-    blow in a tenth of the turns or more; without ``exceptions``, which have a caution already.
+    shock in a tenth of the turns or more; without ``exceptions``, which have a caution already.
     """
     mechanism, laws = result.record.assembly.mechanism, contact_laws(result.record)
-    counts = {name: peaks for name, peaks in _blow_counts(result).items() if name not in exceptions}
+    counts = {name: peaks for name, peaks in _shock_counts(result).items() if name not in exceptions}
     if not counts:
         return {}
     undamped = [name for name in counts if _is_undamped(*laws[name])]
     law = f" ({mechanism.contacts[undamped[0]].contact.name} without damping)" if undamped else ""
     text = (
-        f"Joint{'s' * (len(counts) > 1)} {_listed(counts, _of_lanes(result))}: blows make the largest force."
-        f" Its range covers the step, not the contact law{law}, which decides how hard blows are:"
+        f"Joint{'s' * (len(counts) > 1)} {_listed(counts, _of_lanes(result))}: shocks (knocks, or blows in"
+        f" closed contact) make the largest force. Its range covers the step, not the contact law{law}, which"
+        " decides how hard shocks are:"
         f" {comparison(mechanism, counts)}."
     )
     return dict.fromkeys(counts, text)
@@ -87,7 +89,7 @@ def comparison(mechanism: Mechanism, joints: Iterable[str]) -> str:
 
 
 def law_change(law: ContactLaw) -> str:
-    """Return a change of a law that decides how much energy a blow loses, as ``key=value``; "" for none."""
+    """Return a change of a law that decides how much energy a shock loses, as ``key=value``; "" for none."""
     if isinstance(factor := getattr(law, "damping", None), str):
         return "damping=gonthier" if factor == "none" else "damping=none"
     if (damping := getattr(law, "damping_coefficient", 0.0)) > 0.0:
@@ -97,8 +99,8 @@ def law_change(law: ContactLaw) -> str:
     return "restitution=0.1" if hasattr(law, "restitution") else ""
 
 
-def _blow_counts(result: RunData) -> dict[str, RaisedPeaks]:
-    """Return the joints whose forces the step moves and whose largest force is made by a blow in a tenth of
+def _shock_counts(result: RunData) -> dict[str, RaisedPeaks]:
+    """Return the joints whose forces the step moves and whose largest force is made by a shock in a tenth of
     the turns or more.
     """
     if result.reference is None or result.record.static:

@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 
 IMPACT_MEASURES = (".approach_speed.max", ".impacts", ".impact_power.mean")
 MISSING = "not estimated"
+NO_MATTER = (
+    1.0  # %; a clearance that changes the measure by no more over its tolerance does not matter for it
+)
 SCATTERED = 0.01  # of a value: a larger difference between nearly equal machines is stated
 # An example of a table of wear, with the coefficient of a bearing and of a journal.
 TABLE = "wear = {{ bearing = {}, journal = {} }}"
@@ -181,7 +184,7 @@ def conclusion(design: Design) -> Iterator[str]:
 
 def clearance_sentence(design: Design) -> str:
     """Return which clearance matters most: of those whose effects are all known, and none contradicts the
-    rank correlation over the fits.
+    rank correlation over the fits; that none matters where each changes little.
     """
     certain = [joint for joint in design.joints if not unknown(joint)]
     uncertain = [joint.name for joint in design.joints if joint not in certain]
@@ -190,6 +193,8 @@ def clearance_sentence(design: Design) -> str:
         return ranking_sentence(design, subject)
     decisive = max(certain, key=lambda joint: abs(joint.effect.value) if joint.effect else 0.0)
     opposite = [joint.name for joint in certain if contradicted(joint)]
+    if not uncertain and not opposite and (text := indifference(design, subject)):
+        return text
     value, span = effect_cells(design, decisive)
     growth, name = prefixed(decisive.growth, "m"), decisive.name
     beginning = f"The clearance of {name} matters most: {growth} more"
@@ -202,6 +207,30 @@ def clearance_sentence(design: Design) -> str:
             f" {and_words(opposite)} has the other sign"
         )
     return f"{'; '.join([f'{beginning} changes {subject} by {value} ({span})', *ends])}."
+
+
+def indifference(design: Design, subject: str) -> str:
+    """Return that no clearance matters, if none changes the measure by more than :data:`NO_MATTER` over its
+    tolerance, and machines within the limits of the fits differ by no more; "" otherwise.
+
+    The effect of a growth of the clearance is continued as a line over the width of the tolerance; without a
+    fit it is that of the growth.
+    """
+    changes = []
+    for joint in design.joints:
+        width = joint.limits[1] - joint.limits[0] if joint.limits else 0.0
+        size = max(abs(joint.effect.low), abs(joint.effect.high)) if joint.effect else math.inf
+        changes.append(size * max(1.0, width / joint.growth))
+    values, allowed = design.values_within_limits.tolist(), 0.01 * NO_MATTER * abs(design.nominal or 0.0)
+    if max(changes) > NO_MATTER or (values and max(values) - min(values) > allowed):
+        return ""
+    parts = {True: "over the tolerance of its fit", False: "with the larger clearance of the table"}
+    kinds = {joint.limits is not None for joint in design.joints}
+    over = " or ".join(text for fitted, text in parts.items() if fitted in kinds)
+    beginning = f"None of the clearances matters for {subject}: each"
+    if len(changes) == 1:
+        beginning = f"The clearance of {design.joints[0].name} does not matter for {subject}: it"
+    return f"{beginning} changes it by at most {percent(math.ceil(100.0 * max(changes)) / 100.0)} {over}."
 
 
 def ranking_sentence(design: Design, subject: str) -> str:

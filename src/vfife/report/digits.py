@@ -38,6 +38,16 @@ def unit_of(measure: str) -> str:
     return next((unit for ending, unit in UNITS.items() if f".{measure}".endswith(f".{ending}")), "")
 
 
+def shown_uncertainty(summary: Json, name: str) -> float:
+    """Return the uncertainty of a measure that stands beside its range, or less, such that it keeps two
+    digits, as the ends of the range have.
+    """
+    width, value = uncertainty(summary, name), summary["measures"].get(name)
+    if not value or not math.isfinite(value) or is_about_zero(summary, name):
+        return width
+    return min(width, float(f"2e{exponent(value) - 1}"))
+
+
 def uncertainty(summary: Json, name: str) -> float:
     """Return the scatter over turns or the numerical uncertainty of a measure, whichever is larger; 0 if both
     are unknown.
@@ -71,9 +81,14 @@ def turns_text(summary: Json, name: str, unit: str, share: float = SCATTER) -> s
     inside = bounds["low"] <= lowest and highest <= bounds["high"] and is_estimated(summary, name)
     if inside or highest - lowest <= share * highest:
         return ""
-    # Other turns of chaos have other extremes.
-    fineness = 0.1 if turns.get("motion") == "not periodic" else 0.01
-    return interval(lowest, highest, unit, fineness * (highest - lowest))
+    return interval(lowest, highest, unit, fineness(turns.get("motion")) * (highest - lowest))
+
+
+def fineness(motion: str | None) -> float:
+    """Return the share of the range of single turns that their ends are shown to; other turns of chaos have
+    other extremes.
+    """
+    return 0.1 if motion == "not periodic" else 0.01
 
 
 def is_estimated(summary: Json, name: str) -> bool:
@@ -112,13 +127,15 @@ def range_text(summary: Json, name: str) -> str:
 
 
 def plain_number(summary: Json, name: str) -> str:
-    """Return a measure without its unit, with at most six digits and none finer than its uncertainty."""
+    """Return a measure without its unit, with two to six digits and further ones not finer than its
+    uncertainty.
+    """
     value = summary["measures"][name]
     if name.endswith(COUNTS):
         return (  # 45 contacts are 45 as in the tables of a summary, though companions may have 41
             f"{value:.0f}"
         )
-    width = uncertainty(summary, name)
+    width = shown_uncertainty(summary, name)
     if not isinstance(value, float) or not 1e-3 <= abs(value) < 1e7:
         limited = width > 0.0 and value and math.isfinite(value / width)
         digits = exponent(value) - exponent(width) + 1 if limited else 6

@@ -98,7 +98,8 @@ def heading_sentence(summary: Json) -> str:
     """Return the model, its speeds, the length of the run and the part that values are of."""
     run = summary["run"]
     speeds = [in_rpm(abs(speed)) for speed in run.get("speeds", {}).values()]
-    turns = [f"{run['turns']:.4g} turn{'s' * (run['turns'] != 1.0)}"] if run["turns"] is not None else []
+    count = run.get("crank_turns", run["turns"])
+    turns = [] if count is None else [f"{count:.4g} turn{'s' * (count != 1.0)}"]
     ending = [] if summary["status"] == Status.COMPLETE else [str(summary["status"])]
     length = turns or [prefixed(run["time_s"], "s")]
     part = "means over turns" if over_several_turns(summary["turns"]) else f"values of the {summary['part']}"

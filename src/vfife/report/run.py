@@ -130,7 +130,7 @@ def _body(body: Json) -> str:
 def _step(summary: Json) -> str:
     run = summary["run"]
     length = prefixed(run["time_s"], "s") + (
-        f", {run['turns']:.4g} turns" if run["turns"] is not None else ""
+        f", {run.get('crank_turns', run['turns']):.4g} turns" if run["turns"] is not None else ""
     )
     size = f"{summary['steps']:,} steps of {prefixed(summary['step'], 's')} ({length})"
     if run["automatic"]:

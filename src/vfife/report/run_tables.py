@@ -27,6 +27,7 @@ from .digits import (  # fmt: skip
     largest_text,
     measure_text,
     share_text,
+    shown_uncertainty,
     uncertainty,
     unit_of,
     value_text,
@@ -316,7 +317,7 @@ def reaction(summary: Json, name: str, value: float | None) -> str:
         return ABOUT_ZERO
     if is_undetermined(summary, name):
         return NOT_DETERMINED
-    return amount(value, unit_of(name), uncertainty(summary, name)) + (
+    return amount(value, unit_of(name), shown_uncertainty(summary, name)) + (
         " *" if name in summary["not_unique"] else ""
     )
 

@@ -233,10 +233,12 @@ def _transient_run(result: RunData) -> Json:
     drivers = mechanism.drivers
     moving = [driver for driver in drivers.values() if driver.moves]
     turning = {name: driver for name, driver in drivers.items() if driver.moves and driver.unit == "rad"}
+    count = mechanism.crank_turns(choice.turn, time)
     return {
         "loop": record.loop,
         "time_s": time,
         "turns": None if choice.turn is None else time / choice.turn,
+        **({} if count is None else {"crank_turns": count}),
         "speeds": {
             name: driver.steady_speed for name, driver in turning.items() if driver.steady_speed is not None
         },

@@ -165,11 +165,6 @@ def check_decimal(decimal: str, path: Path) -> None:
         )
 
 
-def _rows(source: Any) -> Iterator[Sequence[Any]]:
-    """Return the table of a result or study: heads, then rows."""
-    return source.table() if isinstance(source, DataTable) else table_rows(source.columns())
-
-
 def _spreadsheet(source: Any) -> Iterator[Sequence[Any]]:
     """Return the table of a result or study for readers of a spreadsheet."""
     return source.spreadsheet() if isinstance(source, DataTable) else table_rows(source.columns())
@@ -216,7 +211,7 @@ def _netcdf(source: Selection | Study, path: Path) -> None:
 
 
 def _csv(source: Selection | Study, path: Path) -> None:
-    write_rows(path, _rows(source))
+    write_rows(path, _spreadsheet(source))
 
 
 def _workbook(source: Selection | Study, path: Path) -> None:

@@ -405,7 +405,8 @@ class Study(DataTable):
     def export(self, path: str | Path, decimal: str = "point") -> None:
         """Write one row per case, or the dataset as NetCDF, in the format of the file's extension.
 
-        path: the file, ``.csv``, ``.xlsx``, ``.parquet`` or ``.nc``
+        path: the file, ``.csv`` and ``.xlsx`` with the parameters in the units of the study file,
+            ``.parquet`` and ``.nc`` in SI units
         decimal: "point" or "comma" in a CSV file
 
         Raises VfifeError for another extension, OSError.
@@ -422,7 +423,7 @@ class Study(DataTable):
         columns = self.table_columns()
         for k, column in enumerate(columns):
             if parameter := written.get(column.name):
-                scaled = [value and value / parameter.written_factor for value in column.values]
+                scaled = [value and _in_unit(value, parameter.written_factor) for value in column.values]
                 columns[k] = replace(column, values=scaled, unit=parameter.written)
         return table_rows(columns)
 
@@ -476,6 +477,14 @@ def load_study(path: str | Path) -> Study:
     Raises RunFileError for any other file.
     """
     return Study.open(path)
+
+
+def _in_unit(value: float, factor: float) -> float:
+    """Return a number in SI units in a unit of ``factor``: the short decimal that gives the same number back,
+    if there is one.
+    """
+    short = float(f"{value / factor:.15g}")
+    return short if short * factor == value else value / factor
 
 
 def in_list(values: Any) -> list[Any]:

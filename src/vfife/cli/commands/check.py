@@ -51,6 +51,8 @@ def examine(options: CheckOptions) -> dict[str, Any]:
     assembly, expected = facts.assembly, facts.expected
     choice, refined = assembly.choice, repeated(assembly, mechanism.settings.companions)
     companions = companion_count(assembly, choose_loop(assembly, "auto"), mechanism.settings.companions)
+    reader = reader_of(options.model, overrides(options.set_))
+    count = mechanism.crank_turns(choice.turn, choice.steps * choice.step)
     cost = run_cost(assembly, facts.ideal, companions=companions, refined=refined)
     return {
         "model": mechanism.name,
@@ -73,11 +75,12 @@ def examine(options: CheckOptions) -> dict[str, Any]:
         "steps_between_outputs": choice.outputs_every,
         "duration": choice.steps * choice.step,
         "turns": choice.steps * choice.step / choice.turn if choice.turn else None,
+        **({} if count is None else {"crank_turns": count}),
         "settle": mechanism.settings.settle,
         "repeated": refined,
         "estimate": dataclasses.asdict(cost) | {"asks_for_yes": cost.forecast(choice.steps).excess(Path())},
-        "defaults": defaults_of(options.model, overrides(options.set_), lengths(options)),
-        "notes": [*assembly.notes, *facts.outlook.notes],
+        "defaults": defaults_of(reader, lengths(options)),
+        "notes": [*assembly.notes, *facts.outlook.notes, *unused_materials(reader)],
         "law_facts": list(law_facts(mechanism)),
         "surface_facts": list(surface_facts(mechanism)),
         **({"laws": compared_laws(mechanism)} if options.laws else {}),
@@ -101,18 +104,31 @@ def lengths(options: CheckOptions) -> list[str]:
     return [f"run.{key}" for key in LENGTHS if getattr(options, key) is not None]
 
 
-def defaults_of(
-    path: Path, items: Iterable[tuple[str, Any]], options: Iterable[str] = ()
-) -> list[DefaultRow]:
-    """Keys that neither a model file without faults, ``--set`` nor one of the ``options`` (paths) gives, with
-    the value that is taken instead.
-    """
+def reader_of(path: Path, items: Iterable[tuple[str, Any]]) -> Written:
+    """Read a model file without faults, with values set by path; return its reader."""
     raw = tomllib.loads(read_bytes(path).decode("utf-8-sig"))
     _, values = override(raw, items)
     expand(raw, str(path))
     reader = Written(raw, values)
     reader.mechanism()
-    rows = list(left_out("", Table(Mechanism), raw))
+    return reader
+
+
+def unused_materials(reader: Written) -> list[str]:
+    """Return a remark on each material that the file defines and that nothing is made of."""
+    return [
+        f'Nothing is made of [material.{name}]: give a body material = "{name}", or a joint'
+        " bearing_material or journal_material, or leave the table out."
+        for name in reader.raw.get("material", {})
+        if name not in reader.materials_used
+    ]
+
+
+def defaults_of(reader: Written, options: Iterable[str] = ()) -> list[DefaultRow]:
+    """Return the keys that neither the file that was read, ``--set`` nor one of the ``options`` (paths)
+    gives, with the value that is taken instead.
+    """
+    rows = list(left_out("", Table(Mechanism), reader.raw))
     for place, table, holder in sorted(reader.shapes, key=lambda shape: shape[0][0] not in ("run", "start")):
         if len(place) > 2:
             continue

@@ -10,6 +10,7 @@ from typing import Any
 import typer
 
 from ...files import read_bytes, write_text
+from ...job.cost import START, Forecast
 from ...laws import ContactLaw, FrictionLaw
 from ...modelfile import dump
 from ...report.sensitivity import comparison, comparison_data
@@ -24,6 +25,7 @@ from ..terminal import DIVERGED, end_interrupted, json_text, sentences, tell, wr
 from ..values import mechanism_of, with_options
 
 SUMMARY, TABLE, MODEL = "compare.json", "compare.csv", "model.toml"
+FIGURES = 1.2  # s of processor time to draw the figures of a comparison
 
 
 def compare(options: CompareOptions) -> None:
@@ -58,6 +60,11 @@ class ComparisonJob(CommandJob):
     def __init__(self, place: Path, text: str, options: CompareOptions) -> None:
         super().__init__("comparison", place, options, saved=saved_sentence(place))
         self.text, self.saved_before = text, self.saved
+        self.besides = START + FIGURES * options.figures
+
+    def begin(self, forecast: Forecast) -> None:
+        """Forecast the start of the command and its figures, too."""
+        super().begin(forecast.longer(self.besides))
 
     def start(self) -> None:
         """Make the folder, in which nobody else writes from now on."""

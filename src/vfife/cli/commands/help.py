@@ -59,7 +59,7 @@ PAGES = {
     "motion": ("Periodic or chaotic", "bifurcation poincare lyapunov chaos basin"),
     "trust": (
         "How far a run can be trusted",
-        "error accuracy uncertainty range step convergence exit code blow mesh damaged file",
+        "error accuracy uncertainty range step convergence exit code shock mesh damaged file",
     ),
     "method": ("Method", "VFIFE central difference integration algorithm explicit event"),
     "laws": ("Laws", "contact friction hertz restitution damping film"),

@@ -26,8 +26,7 @@ from ...studies.engine import study_engine
 from ...studies.engine.cluster import Resources
 from ...studies.engine.study_engine import split_values
 from ...studies.methods.sensitivity_indices import sensitivities
-from ...studies.methods.tolerance import bounds_of as bounds
-from ...studies.methods.tolerance import spreads
+from ...studies.methods.tolerance import bounds_of, spreads
 from ...studies.spec.limits import Bound
 from ...studies.spec.study_file import StudyTables
 from ...units import assignments, unit_fault
@@ -234,7 +233,7 @@ def tolerance(options: ToleranceOptions) -> None:
     study, confidence = read(options.file), options.confidence / 100.0
     with sentences(str(options.file)):
         take_laws(options.laws)
-        rows = spreads(study, bounds_of(study, options.limit or []), percents(options.quantiles), confidence)
+        rows = spreads(study, limits_of(study, options.limit or []), percents(options.quantiles), confidence)
     options.answer(tolerances(study, str(options.file), confidence, rows))
 
 
@@ -247,7 +246,7 @@ def indices(options: IndicesOptions) -> None:
     options.answer(indices_document(study, str(options.file), rows))
 
 
-def bounds_of(study: Study, texts: list[str]) -> tuple[Bound, ...]:
+def limits_of(study: Study, texts: list[str]) -> tuple[Bound, ...]:
     """Limits of the command line, or else those of the study file. Raises ModelError, ValueError."""
     items = list(assignments("--limit", texts, 'C.force.max="2 kN"', "not MEASURE=VALUE"))
     for measure, text in items:
@@ -257,7 +256,7 @@ def bounds_of(study: Study, texts: list[str]) -> tuple[Bound, ...]:
             origin = f"the median of {measure} in the study"
             if fault := unit_fault(f"--limit {measure}", text, study.measures[measure], middle, origin):
                 raise ValueError(str(fault))
-    return bounds(study, {measure: number_or_text(value) for measure, value in items})
+    return bounds_of(study, {measure: number_or_text(value) for measure, value in items})
 
 
 def number_or_text(text: str) -> float | str:

@@ -93,8 +93,8 @@ const VANISHING = 1e-18; // in SI units: rounding of what is nothing
 function quantity(value, unit, digits = 3, size = Math.abs(value)) {
   const text = (factor, name) => `${Number((value * factor).toPrecision(digits))}${name ? ` ${name}` : ""}`;
   if (!Number.isFinite(value)) return "–";
+  if (unit === "1" || unit === "") return text(size < VANISHING ? 0 : 1, "");
   if (size < VANISHING) return text(0, unit);
-  if (unit === "1" || unit === "") return text(1, "");
   if (unit === "m") return size < 1e-4 && size > 0 ? text(1e6, "µm") : size < 1 ? text(1e3, "mm") : text(1, "m");
   if (unit === "s") return size < 1e-3 && size > 0 ? text(1e6, "µs") : size < 1 ? text(1e3, "ms") : text(1, "s");
   if (["N", "N m", "J", "W"].includes(unit)) {

@@ -88,6 +88,12 @@ class Driver(Kind):
         """Largest prescribed speed (rad/s or m/s)."""
         return 0.0
 
+    def crank_turns(self, turn: float, begin: float, duration: float) -> float | None:
+        """Return the turns (1) that the body makes within a ``duration`` (s) from the time ``begin`` (s) on,
+        if it runs up then, its ``turn`` at the largest speed taking so long (s); None for all other motions.
+        """
+        return None
+
     @property
     def steady_speed(self) -> float | None:
         """Prescribed speed (rad/s or m/s) if constant, else None."""

@@ -8,6 +8,8 @@ from ...schema import quantity
 from ..geometry.polynomials import Polynomials
 from .driver import Driver
 
+ROUNDING = 1e-9  # of a turn
+
 
 @dataclass(frozen=True, kw_only=True)
 class Ramp(Driver):
@@ -39,6 +41,14 @@ class Ramp(Driver):
             w / integer_power(t, 5),
         )
         return Polynomials((0.0, t), (rising, (offset + 0.5 * w * t, w)))
+
+    def crank_turns(self, turn: float, begin: float, duration: float) -> float | None:
+        """Return the turns (1) that the body makes within a ``duration`` (s) from the time ``begin`` (s) on,
+        its ``turn`` at the speed taking so long (s); None if the run-up is over.
+        """
+        motion = self.motion()
+        revolutions = abs(motion(begin + duration)[0] - motion(begin)[0]) / (self.largest_speed * turn)
+        return None if abs(revolutions - duration / turn) <= ROUNDING else revolutions
 
     @property
     def largest_speed(self) -> float:

@@ -24,7 +24,7 @@ from ...assembly.possible import outlook
 from ...compiler.runtime.native import stream_lanes
 from ...errors import RunFileError, VfifeError, suggestion
 from ...files import DataTable, named_rows
-from ...job.cost import LANES, LIBRARIES, RECORD_SECONDS, WORTH, Forecast, cores, run_cost, timed_step
+from ...job import cost
 from ...job.job import Job, job_of
 from ...laws import ContactLaw, FrictionLaw, Law
 from ...measures.trust import finer
@@ -308,33 +308,38 @@ def compare(
 
 
 RECORDED = 1.4  # time of a step in lanes that are recorded, over that of lanes that are not
-MEASURING = 2.4  # time to keep a record and to take all measures of it, by that to keep it
 
 
-def forecast(left: Sequence[Prepared], planned: int) -> Forecast:
-    """Forecast the runs that are left of those planned: in lanes, or one after another."""
+def forecast(left: Sequence[Prepared], planned: int) -> cost.Forecast:
+    """Forecast the runs that are left of those planned: in lanes, or one after another. With companions an
+    automatic step may be halved twice.
+    """
     costs = [
-        run_cost(prepared.assembly, companions=prepared.companions, refined=prepared.refined)
+        cost.run_cost(prepared.assembly, companions=prepared.companions, refined=prepared.refined)
         for prepared in left
     ]
     lanes = stream_lanes(1) if left and fits_lane(left[0]) else 1
-    speedup = (
-        cores() * min(lanes, len(left)) / (RECORDED * LANES[lanes]) if lanes > 1 and len(left) > 1 else 1.0
-    )
-    recording = sum(RECORD_SECONDS * cost.bytes for cost in costs)
-    seconds = (sum(cost.seconds for cost in costs) - recording) / speedup
-    if seconds > WORTH and costs[0].loop == "generated":
-        seconds *= 1e9 * timed_step(left[0].assembly) / costs[0].ns_per_step
-    seconds += MEASURING * recording
+    threads, speedup = 1, 1.0
+    if lanes > 1 and len(left) > 1:
+        threads = cost.cores()
+        speedup = threads * min(lanes, len(left)) / (RECORDED * cost.LANES[lanes])
+    recording = sum(cost.RECORD_SECONDS * price.bytes for price in costs)
+    seconds = (sum(price.seconds for price in costs) - recording) / speedup
+    if seconds > cost.WORTH and costs[0].loop == "generated":
+        seconds *= 1e9 * cost.timed_step(left[0].assembly) / costs[0].ns_per_step
+    besides = recording + sum(price.measuring for price in costs)
+    searched = any(prepared.companions and prepared.assembly.choice.automatic for prepared in left)
+    ends = seconds + besides, (cost.MOST_TRIES if searched else 1.0) * seconds + besides
     steps = sum(prepared.assembly.choice.steps for prepared in left) / max(len(left), 1)
     memory, disk = (
-        sum(cost.memory - LIBRARIES for cost in costs) + LIBRARIES,
-        sum(cost.disk for cost in costs),
+        sum(price.memory - cost.LIBRARIES for price in costs) + cost.LIBRARIES,
+        sum(price.disk for price in costs),
     )
-    amounts = len(left), steps, seconds, memory, disk, planned - len(left), cores(), lanes
-    growth = max((cost.disk_growth for cost in costs), default=1.0)
+    amounts = len(left), steps, ends[0], memory, disk, planned - len(left), threads, lanes
+    growth = max((price.disk_growth for price in costs), default=1.0)
     remedy = "compare fewer laws, or over fewer turns"
-    return Forecast("run", *amounts, remedy=remedy, disk_growth=growth)
+    first = cost.Forecast("run", *amounts, remedy=remedy, disk_growth=growth)
+    return first.with_ends(*ends) if searched else first
 
 
 def remaining_results(

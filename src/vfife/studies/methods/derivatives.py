@@ -19,7 +19,7 @@ from ...assembly.assembled import Assembly
 from ...compiler.runtime.native import CONTACT_LANES
 from ...job.cost import LANES, MOST_TRIES, TANGENTS, Forecast, cores, run_cost, timed
 from ...job.job import Interrupted, Job, job_of
-from ...job.progress import counted, span
+from ...job.progress import counted
 from ...measures.catalogue import INFLUENCE, OVER_TURN, PEAKS, compared, over_turn
 from ...measures.repetition import part_of
 from ...measures.turns import last_turn
@@ -218,15 +218,12 @@ def forecast(prepared: Prepared, mechanism: Mechanism, count: int, runs: int | N
     steps, varied = f"{assembly.choice.steps:,} steps", counted(count, "number")
     work = f"a run of {steps} with derivatives by {varied}, each checked by finite changes"
     longest = MOST_TRIES * single_run.seconds + HALVED_TWICE * (seconds - single_run.seconds)
-    automatic, ends = assembly.choice.automatic, (seconds, longest)
-    note = f", {span(seconds)} to {span(longest)} as the automatic step is halved or not" if automatic else ""
-    if automatic:  # within a factor of two of both
-        seconds = math.sqrt(seconds * longest)
     remedy = "ask for fewer numbers (to) or turns"
-    return Forecast(
+    first = Forecast(
         "run", 1, single_run.seconds, seconds, single_run.memory, threads=cores(), lanes=lanes, work=work,
-        remedy=remedy, note=note, ends=ends if automatic else None,
+        remedy=remedy,
     )  # fmt: skip
+    return first.with_ends(seconds, longest) if assembly.choice.automatic else first
 
 
 def tangent_runs(count: int, displaced_runs: int) -> float:
