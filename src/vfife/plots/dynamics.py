@@ -28,6 +28,7 @@ from .style import (
     heading,
     legend_entries,
     panels,
+    part_words,
     readable,
 )
 from .turn import CRANK_ANGLE
@@ -204,7 +205,10 @@ def _scaled(values: Any, unit: str) -> tuple[Any, str]:
 
 
 def _title(result: Any, turns: str, companions: str) -> str:
-    return f"{result.name}: {turns}, {result.spec.steps:,} steps a turn; {result.laws}; {companions}"
+    return (
+        f"{result.name}: {part_words(result)}{turns}, {result.spec.steps:,} steps a turn; {result.laws};"
+        f" {companions}"
+    )
 
 
 MARK = 9.0  # area of a point

@@ -23,6 +23,7 @@ from .style import (
     VERMILION,
     heading,
     panels,
+    part_words,
     readable,
     saved,
     scale_of,
@@ -51,7 +52,7 @@ def forces(comparison: Comparison) -> Figure:
     in each output interval, so that no peak is missed.
     """
     titles = [f"joint {name}" for name in comparison.joints]
-    return overlay("forces", comparison.results, labels(comparison), titles)
+    return overlay("forces", comparison.results, labels(comparison), titles, comparison.progress)
 
 
 @rc_context(STYLE)
@@ -91,7 +92,7 @@ def bars(comparison: Comparison) -> Figure:
     axes[0].set_yticks(places, labels(comparison))
     axes[0].invert_yaxis()
     note = "lines: ranges by runs with other step sizes" if estimated else f"errors {NOT_ESTIMATED}"
-    heading(figure, f"{comparison.mechanism} ({note})")
+    heading(figure, f"{comparison.mechanism} ({part_words(comparison)}{note})")
     return figure
 
 
@@ -131,7 +132,8 @@ def fit_figure(fit: Fit) -> Figure:
         correlations(axes[5], fit)
     for k in range(1 + shown, len(curves)):
         axes[3 * k + 2].set_visible(False)
-    heading(figure, f"{fit.mechanism} fitted to {fit.data}: residual {100.0 * fit.share:.3g} %")
+    residual_words = f"{part_words(fit)}residual {100.0 * fit.share:.3g} %"
+    heading(figure, f"{fit.mechanism} fitted to {fit.data}: {residual_words}")
     return figure
 
 
@@ -257,5 +259,5 @@ def tornado(sensitivity: Sensitivity) -> Figure:
         ax.set_xlabel(f"change (%) for 1 % more{note}")
     for ax in axes[len(names) :]:
         ax.set_visible(False)
-    heading(figure, f"{sensitivity.mechanism}: what its measures depend on")
+    heading(figure, f"{sensitivity.mechanism}: {part_words(sensitivity)}what its measures depend on")
     return figure

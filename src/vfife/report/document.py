@@ -19,12 +19,13 @@ from .parts import (
     Section,
     Style,
     Table,
+    incomplete,
 )  # fmt: skip
 
 __all__ = [
     "Bullets", "Caution", "Document", "Element", "Facts", "Figure", "Paragraph", "Part", "Preformatted",
     "Section", "Style",
-    "Table", "grouped", "paragraphs", "quantities",
+    "Table", "grouped", "incomplete", "paragraphs", "quantities",
 ]  # fmt: skip
 
 

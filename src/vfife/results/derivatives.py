@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
 
 from ..files import DataTable
+from ..job.amounts import counted
 
 # "derivative": finite changes agree with it. "change": they do not, and the change for one per cent is known.
 # "unknown": neither is.
@@ -82,9 +83,15 @@ class Sensitivity(DataTable):
     part: str = "last turn"
     complete: bool = True
 
+    @property
+    def progress(self) -> str:
+        """How much is computed of an interrupted answer; empty for a complete one."""
+        return "" if self.complete else f"derivatives by {counted(len(self.derivatives), 'number')}"
+
     def __repr__(self) -> str:
         measures = "1 measure" if len(self.measures) == 1 else f"{len(self.measures)} measures"
         content = f"{measures} of {self.mechanism!r} to {len(self.derivatives)} numbers"
+        content += ", interrupted" if self.progress else ""
         return (
             f"<Sensitivity of {content}; see .effects(measure), .derivative(measure, path), .to_dataframe()>"
         )
