@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..errors import Fault, ModelError, VfifeError, former_names, suggestion
-from ..files import DataTable
-from ..job.amounts import share_done
+from ..files import DataTable, share_done
 from ..job.cost import LANES, TANGENTS, WORTH, Forecast, cores, run_cost, timed_step
 from ..job.job import job_of
 from ..model.functions import crank_faults
@@ -280,7 +279,12 @@ def unit_at(mechanism: Mechanism, path: str) -> str:
     try:
         number = Parameter(mechanism, path)
     except Fault as fault:
-        raise ValueError(f"{path}: {fault.what}; {fault.remedy}") from None
+        # A map needs one number: neither a list of paths nor a text of the model is suggested.
+        general = fault.remedy.startswith(("did you mean", "list the paths"))
+        remedy = suggestion(path, numbers(mechanism), "name one") if general else fault.remedy
+        raise ValueError(f"{path}: {fault.what}; {remedy}") from None
+    if (misfit := number.misfit) is not None:
+        raise ValueError(f"{path}: {misfit.what}; {misfit.remedy}")
     if not isinstance(number.field, Measure):
         keys = path.split(".")
 

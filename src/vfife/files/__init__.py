@@ -295,6 +295,11 @@ class DataTable:
         return with_completeness(pandas.DataFrame(rows, columns=list(heads)), self.progress)
 
 
+def share_done(done: float, planned: float, noun: str) -> str:
+    """Return how many of the planned things are done as text; empty if all are."""
+    return "" if done >= planned else f"{done:,.0f} of {planned:,.0f} {noun}"
+
+
 def with_completeness(frame: pandas.DataFrame, progress: str) -> pandas.DataFrame:
     """Return a table, whose ``attrs`` tell whether it is ``complete`` or how much is ``computed``."""
     frame.attrs |= {"complete": not progress} | ({"computed": progress} if progress else {})

@@ -27,11 +27,6 @@ def span(seconds: float) -> str:
     return f"{hours} h {minutes:02d} min" if hours else f"{minutes} min {full_seconds:02d} s"
 
 
-def share_done(done: float, planned: float, noun: str) -> str:
-    """Return how many of the planned things are done as text; empty if all are."""
-    return "" if done >= planned else f"{done:,.0f} of {planned:,.0f} {noun}"
-
-
 def counted(count: int, noun: str) -> str:
     """Return a number of things as text."""
     return f"{count:,} {noun}{'' if count == 1 else 's'}"

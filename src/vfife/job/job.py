@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import Fault, ModelError, VfifeError
+from ..files import share_done
 from ..solvers.status import Progress
-from .amounts import share_done
 from .progress import Counter, ProgressLine, ScriptLine
 
 if TYPE_CHECKING:

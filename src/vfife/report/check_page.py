@@ -227,10 +227,9 @@ def _cost(check: Mapping[str, Any]) -> list[str]:
             " compile that loop if it was never used here."
         ),
         (
-            f"The results take {amount_of_bytes(cost['bytes'])}, compressed to a twentieth to a half of it,"
+            f"The results take {amount_of_bytes(cost['bytes'])}, compressed in the run file"
             f" {amount_of_bytes(LEAST_COMPRESSED * cost['bytes'])} to"
-            f" {amount_of_bytes(cost['disk'])}, in the run file, which may grow to"
-            f" {amount_of_bytes(cost['disk_growth'] * cost['disk'])}."
+            f" {amount_of_bytes(cost['disk_growth'] * cost['disk'])}, mostly below half of it."
         ),
         (
             f"  Loaded as one dataset, they take about {amount_of_bytes(cost['memory'])} of memory; run,"

@@ -49,7 +49,8 @@ def diagram(result: Bifurcation) -> Document:
     if not any(map(any, result.kinds)):
         words = f"{NO_POINTS}: none of {len(spec.values):,} values is complete"
         return Document(paragraphs([f"{result.name}: {spec.path}: {words}."]))
-    heads = spec.ways if spec.starts else ("values on the way up", "on the way down")
+    first, *other = spec.ways
+    heads = spec.ways if spec.starts else (f"values on the way {first}", f"on the way {other[0]}")
     counts = [Counter(kind for kind in kinds if kind) for kinds in result.kinds]
     rows = [
         (kind, *(count[kind] for count in counts))
@@ -83,7 +84,8 @@ def _gap(result: Bifurcation, chain: int) -> str:
         return ""
     if gap[-1] - gap[0] >= len(gap):
         return f"; {counted(len(gap), 'value')} not computed"
-    low, high = (quantity(factor * result.spec.values[k], unit) for k in (gap[0], gap[-1]))
+    ends = sorted(result.spec.values[k] for k in (gap[0], gap[-1]))
+    low, high = (quantity(factor * end, unit) for end in ends)
     return f"; not computed {f'from {low} to {high}' if len(gap) > 1 else f'at {low}'}"
 
 

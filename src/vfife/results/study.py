@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import VfifeError, former_names, shown, suggestion
-from ..files import DataTable, path_of, with_completeness
-from ..job.amounts import share_done
+from ..files import DataTable, path_of, share_done, with_completeness
 from ..options import with_faults
 from ..solvers.status import Status
 from ..store.connections import warn_of_damage

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..errors import Fault, ModelError, former_names
-from ..files import DataTable
-from ..job.amounts import share_done
+from ..files import DataTable, share_done
 from ..laws.materials import coefficient
 from ..measures.wear import PLACES, SIDES, areas, rubbing, work_around
 from ..model.mechanism import Mechanism

@@ -23,8 +23,7 @@ from ...assembly.assembled import Assembly
 from ...assembly.possible import outlook
 from ...compiler.runtime.native import stream_lanes
 from ...errors import RunFileError, VfifeError, suggestion
-from ...files import DataTable, named_rows
-from ...job.amounts import share_done
+from ...files import DataTable, named_rows, share_done
 from ...job.cost import LANES, LIBRARIES, RECORD_SECONDS, WORTH, Forecast, cores, run_cost, timed_step
 from ...job.job import Job, job_of
 from ...laws import ContactLaw, FrictionLaw, Law
