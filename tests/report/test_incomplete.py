@@ -18,7 +18,9 @@ from tribology.test_wear import GIVEN as WEAR
 from tribology.test_wear import loose_pin
 from vfife.dynamics import basins, load_map, poincare_section, waterfall
 from vfife.plots.sensitivity import bars, forces
+from vfife.report.front import conclusion
 from vfife.report.html import document_of, text
+from vfife.report.overview import heading_sentence
 from vfife.results.derivatives import Sensitivity
 
 CLEARANCE = "joint.pin.clearance"
@@ -135,3 +137,20 @@ def test_a_study(tmp_path: Path) -> None:
     assert count in getattr(first, "text", "")
     titles = [figure.get_suptitle().replace("\n", " ") for figure in found.plot().values()]
     assert titles and all(f"not complete, {count}" in title for title in titles)
+
+
+def test_a_run() -> None:
+    def stop(progress: Any) -> None:
+        if progress.done > 0.4 * progress.steps:
+            raise KeyboardInterrupt
+
+    result = vfife.simulate(four_bar("C"), turns=0.5, step=2e-6, reference=False, companions=0, progress=stop)
+    turns = result.summary["run"]["turns"]
+    assert result.status == "interrupted" and 0.1 < turns < 0.5
+    assert f" · {turns:.4g} of 0.5 turns · " in str(result).replace("\n", " ")
+    assert conclusion(result.summary)[0].startswith(
+        f"The run was interrupted after {turns:.4g} of 0.5 turns;"
+    )
+    whole = vfife.simulate(four_bar("C"), turns=0.1, step=2e-6, reference=False, companions=0)
+    assert " of " not in heading_sentence(whole.summary).partition("values")[0]
+    assert not any("interrupted" in text for text in conclusion(whole.summary))

@@ -225,7 +225,7 @@ class RunCost:
         """Return the forecast of the run with its measures."""
         seconds = self.seconds + self.measuring
         amounts = seconds, self.memory, self.disk
-        note = f"; up to {span(self.halved)} if the step has to be halved twice" if self.halved else ""
+        note = f"; up to {span(self.halved)} if the step is halved twice" if self.halved else ""
         growth, spread = self.disk_growth, self.spread
         return Forecast(
             "run", 1, steps, *amounts, remedy=remedy, note=note, disk_growth=growth, spread=spread

@@ -215,7 +215,7 @@ def _cost(check: Mapping[str, Any]) -> list[str]:
         span(cost["compile_seconds"]),
     )
     repetitions = (
-        f"; up to {span(START + cost['halved'])} if the step has to be halved twice"
+        f", up to {span(START + cost['halved'])} if halved twice"
         if check["step"]["searched"] and cost["halved"]
         else ""
     )

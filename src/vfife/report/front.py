@@ -20,7 +20,7 @@ from .design_words import and_words, or_words
 from .digits import CERTAIN, Json, ideal_force_text, is_undetermined, turns_text, uncertainty
 from .document import Element, Facts, Paragraph, Part, Section, Table
 from .noise import blow, rivals
-from .overview import certainty, clearance_note, joint_table
+from .overview import certainty, clearance_note, interrupted_length, joint_table
 from .run_tables import (
     NONE_BEGAN,
     force_text,
@@ -130,8 +130,9 @@ def conclusion(summary: Json) -> list[str]:
     if summary["run"].get("analysis") == "static":
         run = summary["run"]
         return [f"The analysis found {run['reached']} of {run['load_factors']} equilibria."]
-    certain = without_options(certainty(summary))
-    return [text for text in (_cost(summary), _joint(summary), _knocks(summary), certain) if text]
+    certain, length = without_options(certainty(summary)), interrupted_length(summary)
+    part = f"The run was interrupted after {length}; all values are of that part." if length else ""
+    return [text for text in (part, _cost(summary), _joint(summary), _knocks(summary), certain) if text]
 
 
 def without_options(text: str) -> str:

@@ -25,6 +25,7 @@ from ..model.surfaces import body_of, law_facts, surface_facts, surfaces
 from ..model.validation.plausibility import suspect_surfaces
 from ..solvers.record import Record
 from ..solvers.refinement import worth_other_meshes, worth_refining
+from ..solvers.status import Status
 from .cautions import (
     largest_by_joint,
     law_cautions,
@@ -124,6 +125,7 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
         "not_estimated": [name for name, measure in result.measures.items() if not measure.estimated],
         "trust": trust,
         **(_stops(record) | _meshes(record)),
+        **({"steps_planned": choice.steps} if record.status == Status.INTERRUPTED and not static else {}),
         **({} if static else _actuators(result, ideal)),
     }
 
