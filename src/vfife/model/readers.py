@@ -18,7 +18,6 @@ from ..schema import (
     FixedList,
     Reader,
     Text,
-    Value,
     contains_text,
     described_fields,
     key_of,
@@ -264,7 +263,7 @@ def with_units(*path: str) -> Callable[[Class], Class]:
     return decorate
 
 
-def lacks_parts(kind: Value, value: Any) -> bool:
+def lacks_parts(kind: object, value: Any) -> bool:
     """Return whether a number, or a list of another length, stands for a list of fixed length."""
     if type(kind) is not FixedList:
         return False

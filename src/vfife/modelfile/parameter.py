@@ -124,11 +124,11 @@ class Parameter:
             return None
         _, name, key = map(str, self.keys)
         holder = table(self.tables, "driver", name)
-        if key in holder or key in (own := kinds_of("driver", holder)[0].keys):
+        if key in holder or key in (keys := kinds_of("driver", holder)[0].keys):
             return None
-        given = [f"driver.{name}.{entry}" for entry in holder if entry in own]
+        paths = [f"driver.{name}.{entry}" for entry in holder if entry in keys]
         message = f"{key} is a number of another kind of driver; that of {name} has {', '.join(holder)}"
-        return Fault("", message, remedy=f"did you mean {' or '.join(map(shown, given))}?")
+        return Fault("", message, remedy=f"did you mean {' or '.join(map(shown, paths))}?")
 
     def read(self, value: Any) -> Any:
         """Return a value, possibly a text with a unit, in SI units. Raises Fault if it is invalid here."""

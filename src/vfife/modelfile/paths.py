@@ -164,8 +164,8 @@ def paths(raw: Raw) -> Iterator[str]:
     for section in ("joint", "body", "gear", "spring", "driver", "load"):
         for name, holder in entries(raw, section):
             # Only keys of its own kind: an ideal joint has no clearance.
-            own = section in (*FAMILIES, "driver") and kinds_of(section, holder)
-            keys = own[0].keys if own else keys_at((section, name)) or ()
+            kinds = kinds_of(section, holder) if section in (*FAMILIES, "driver") else ()
+            keys = kinds[0].keys if kinds else keys_at((section, name)) or ()
             yield from (f"{section}.{name}.{key}" for key in keys)
     yield from (key for key in keys_at(()) or () if not isinstance(raw.get(key), dict))
 

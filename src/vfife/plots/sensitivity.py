@@ -23,7 +23,6 @@ from .style import (
     VERMILION,
     heading,
     panels,
-    part_words,
     readable,
     saved,
     scale_of,
@@ -92,7 +91,7 @@ def bars(comparison: Comparison) -> Figure:
     axes[0].set_yticks(places, labels(comparison))
     axes[0].invert_yaxis()
     note = "lines: ranges by runs with other step sizes" if estimated else f"errors {NOT_ESTIMATED}"
-    heading(figure, f"{comparison.mechanism} ({part_words(comparison)}{note})")
+    heading(figure, f"{comparison.mechanism} ({note})", comparison.progress)
     return figure
 
 
@@ -132,8 +131,8 @@ def fit_figure(fit: Fit) -> Figure:
         correlations(axes[5], fit)
     for k in range(1 + shown, len(curves)):
         axes[3 * k + 2].set_visible(False)
-    residual_words = f"{part_words(fit)}residual {100.0 * fit.share:.3g} %"
-    heading(figure, f"{fit.mechanism} fitted to {fit.data}: {residual_words}")
+    residual_words = f"residual {100.0 * fit.share:.3g} %"
+    heading(figure, f"{fit.mechanism} fitted to {fit.data}: {residual_words}", fit.progress)
     return figure
 
 
@@ -259,5 +258,5 @@ def tornado(sensitivity: Sensitivity) -> Figure:
         ax.set_xlabel(f"change (%) for 1 % more{note}")
     for ax in axes[len(names) :]:
         ax.set_visible(False)
-    heading(figure, f"{sensitivity.mechanism}: {part_words(sensitivity)}what its measures depend on")
+    heading(figure, f"{sensitivity.mechanism}: what its measures depend on", sensitivity.progress)
     return figure

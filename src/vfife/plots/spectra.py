@@ -16,7 +16,7 @@ from ..measures.spectral import frequencies_of, short_time
 from ..solvers.repeating import outputs_of_a_turn
 from .curves import Quantity, largest_forces
 from .layout import Panels
-from .style import BLUE, FAINT, IDEAL, RPM, SKY, STYLE, VERMILION, Array, part_words, power_of_ten, scale_of
+from .style import BLUE, FAINT, IDEAL, RPM, SKY, STYLE, VERMILION, Array, power_of_ten, scale_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -296,7 +296,8 @@ def over_values(sweep: Waterfall, hertz: bool = False) -> Figure:
             xlabel="frequency (Hz)" if hertz else "order of the crank",
         )
         ax.set_xlim(left=0.0)
-    return panels.close(f"{sweep.name}: {part_words(sweep)}{sweep.words}; {sweep.limits}; no companions")
+    part = f"not complete, {sweep.progress}; " if sweep.progress else ""
+    return panels.close(f"{part}{sweep.name}: {sweep.words}; {sweep.limits}; no companions")
 
 
 def cell_edges(sweep: Waterfall, hertz: bool) -> Array:

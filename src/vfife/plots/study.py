@@ -39,7 +39,6 @@ from .study_axes import (
     positions,
     readable_parameter,
     sensitive_words,
-    study_name,
     turns_of_measure,
     unit_of_axis,
 )
@@ -81,7 +80,7 @@ def curves(study: Study, measures: list[str]) -> Figure | None:
     count = len(study.axes[parameters[1].name]) if len(parameters) > 1 else 0
     part = f"; {MOST_CURVES} of {count} values of {parameters[1].name}" if count > MOST_CURVES else ""
     bars = f"; bars: {bar_words(study)}" if study.errors and not dimensions else ""
-    heading(figure, study_name(study) + part + (band if dimensions else bars))
+    heading(figure, study.model + part + (band if dimensions else bars), study.progress)
     return figure
 
 
@@ -198,7 +197,7 @@ def parallel(study: Study, measures: list[str]) -> Figure | None:
     )
     bar.outline.set_visible(False)
     bar.set_label(name_with_unit(colour, unit))
-    heading(figure, f"{study_name(study)}: {len(order):,} cases")
+    heading(figure, f"{study.model}: {len(order):,} cases", study.progress)
     return figure
 
 
@@ -255,7 +254,7 @@ def fronts(study: Study, measures: list[str], larger: Collection[str] = ()) -> F
     for ax, pair in zip(axes, shown, strict=True):
         front_panel(ax, study, pair, larger)
     one_legend(figure, axes)
-    heading(figure, study_name(study))
+    heading(figure, study.model, study.progress)
     return figure
 
 

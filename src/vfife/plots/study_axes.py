@@ -160,11 +160,6 @@ def turns_of_measure(study: Study, name: str) -> str:
     return "last turn" if plan["last"] == 1 else f"mean of the last {plan['last']} turns"
 
 
-def study_name(study: Study) -> str:
-    """Return the name of the model in a title, with how much of the study is computed if not all."""
-    return f"{study.model}{f' (not complete, {study.progress})' if study.progress else ''}"
-
-
 def sensitive_words(study: Study) -> str:
     """Return how many sampled cases are sensitive to the step; empty if none is."""
     sensitive, count = study.sensitive

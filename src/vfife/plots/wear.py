@@ -24,7 +24,6 @@ from .style import (
     digits,
     heading,
     length_unit,
-    part_words,
     scale_of,
 )
 
@@ -74,7 +73,7 @@ def wear_over_turns(wear: Worn) -> Figure:
             f"; life of joint {wear.life_end['joint']} ends after {turns_words(wear.life_end['turns'])} by"
             f" its {wear.life_end['by']}"
         )
-    heading(figure, f"{wear.name}: {part_words(wear)}wear after {text}")
+    heading(figure, f"{wear.name}: wear after {text}", wear.progress)
     return fix_layout(figure)
 
 

@@ -19,7 +19,6 @@ from .parts import (
     Section,
     Style,
     Table,
-    incomplete,
 )  # fmt: skip
 
 __all__ = [
@@ -42,6 +41,12 @@ class Document:
     def _repr_html_(self) -> str:
         """Return the answer as HTML for a notebook."""
         return fragment(self)
+
+
+def incomplete(progress: str, remedy: str = "with a file, the same call continues it.") -> list[Paragraph]:
+    """Return the first paragraph of an answer of which only so much is computed; none for a complete one."""
+    text = f"only {progress} are computed; {remedy}"
+    return [Paragraph(text, lead="Not complete: ", style="caution")] if progress else []
 
 
 def paragraphs(texts: Iterable[str], **options: Any) -> list[Paragraph]:

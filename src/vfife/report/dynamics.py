@@ -49,8 +49,8 @@ def diagram(result: Bifurcation) -> Document:
     if not any(map(any, result.kinds)):
         words = f"{NO_POINTS}: none of {len(spec.values):,} values is complete"
         return Document(paragraphs([f"{result.name}: {spec.path}: {words}."]))
-    first, *other = spec.ways
-    heads = spec.ways if spec.starts else (f"values on the way {first}", f"on the way {other[0]}")
+    ways = spec.ways
+    heads = ways if spec.starts else (f"values on the way {ways[0]}", f"on the way {ways[1]}")
     counts = [Counter(kind for kind in kinds if kind) for kinds in result.kinds]
     rows = [
         (kind, *(count[kind] for count in counts))

@@ -158,10 +158,10 @@ def _cost(summary: Json) -> str:
     if len(names) > 1:
         ideal = prefixed(max(ideals), "N")
         return f"{lead}, in joint {name}{single}; with ideal joints it is {ideal}."
-    change, there = _change(summary, name), "in that joint" if single else "there"
+    change, place = _change(summary, name), "in that joint" if single else "there"
     return (
         f"{lead} in joint {name}{single}; with ideal joints it is {ideal_force_text(summary, name)}"
-        f" {there}{f', {change}' if change else ''}."
+        f" {place}{f', {change}' if change else ''}."
     )
 
 

@@ -110,7 +110,7 @@ def heading_sentence(summary: Json) -> str:
 
 def interrupted_length(summary: Json) -> str:
     """Return which part of an interrupted run is computed, as in "9.5 of 20 turns"; empty for others."""
-    run, share = summary["run"], summary.get("steps_planned", 0) / max(summary["steps"], 1)
+    run, share = summary["run"], summary["run"].get("steps_planned", 0) / max(summary["steps"], 1)
     if not share:
         return ""
     if run["turns"] is None:

@@ -72,12 +72,6 @@ class Caution:
     aside: bool = False
 
 
-def incomplete(progress: str, remedy: str = "with a file, the same call continues it.") -> list[Paragraph]:
-    """Return the first paragraph of an answer of which only so much is computed; none for a complete one."""
-    text = f"only {progress} are computed; {remedy}"
-    return [Paragraph(text, lead="Not complete: ", style="caution")] if progress else []
-
-
 @dataclass(frozen=True)
 class Bullets:
     """A list of sentences, with numbers if it is ``ordered``."""

@@ -25,7 +25,6 @@ from ..model.surfaces import body_of, law_facts, surface_facts, surfaces
 from ..model.validation.plausibility import suspect_surfaces
 from ..solvers.record import Record
 from ..solvers.refinement import worth_other_meshes, worth_refining
-from ..solvers.status import Status
 from .cautions import (
     largest_by_joint,
     law_cautions,
@@ -125,7 +124,6 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
         "not_estimated": [name for name, measure in result.measures.items() if not measure.estimated],
         "trust": trust,
         **(_stops(record) | _meshes(record)),
-        **({"steps_planned": choice.steps} if record.status == Status.INTERRUPTED and not static else {}),
         **({} if static else _actuators(result, ideal)),
     }
 
@@ -248,6 +246,7 @@ def _transient_run(result: RunData) -> Json:
         "long": not worth_refining(record.assembly),
         "stable_step": choice.stable if choice.stable < float("inf") else None,
         "set_by": choice.culprit,
+        **({"steps_planned": choice.steps} if record.status == "interrupted" else {}),
         # Those of radii and clearances are the first cautions.
         "notes": [note for note in record.assembly.notes if note not in suspect_surfaces(mechanism)],
         **({"reached": reached} if choice.turn is None and (reached := _reached_speeds(record)) else {}),

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
 
 from ..files import DataTable
-from ..job.amounts import counted
 
 # "derivative": finite changes agree with it. "change": they do not, and the change for one per cent is known.
 # "unknown": neither is.
@@ -86,7 +85,7 @@ class Sensitivity(DataTable):
     @property
     def progress(self) -> str:
         """How much is computed of an interrupted answer; empty for a complete one."""
-        return "" if self.complete else f"derivatives by {counted(len(self.derivatives), 'number')}"
+        return "" if self.complete else f"{len(self.derivatives)} of the derivatives"
 
     def __repr__(self) -> str:
         measures = "1 measure" if len(self.measures) == 1 else f"{len(self.measures)} measures"

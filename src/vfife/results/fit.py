@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from ..errors import RunFileError, former_names
 from ..files import DataTable, with_completeness, write_text
-from ..job.amounts import counted
 from ..numerics.outward import significant_range
 from ..numerics.scalar import log
 from ..options import with_faults
@@ -205,7 +204,7 @@ class Fit(DataTable):
     @property
     def progress(self) -> str:
         """How much is computed of an interrupted fit; empty for a complete one."""
-        return f"{counted(self.evaluations, 'run')} of the search" if self.status == "interrupted" else ""
+        return f"{self.evaluations:,} runs of the search" if self.status == "interrupted" else ""
 
     def __repr__(self) -> str:
         values = ", ".join(value.words(self.confidence) for value in self.values)
