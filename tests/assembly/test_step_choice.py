@@ -176,6 +176,25 @@ def test_a_free_motion_resolves_its_own_period() -> None:
     assert missed(spinning.mechanism, spinning.choice, *said[1:]) == ()
 
 
+def test_the_speed_of_a_body_without_extent_leaves_the_steps_of_a_turn_alone() -> None:
+    """A mass whose pin is its centre has no size; a basin over its velocity took 14 times the steps that one
+    over the speed of its journal took.
+    """
+
+    def at(velocity: tuple[float, float, float], crank: bool) -> StepChoice:
+        m = Mechanism("mass")
+        m.rigid_body("mass", mass=1.0, inertia=0.1, velocity=velocity)
+        if crank:
+            rotor = m.rigid_body("rotor", mass=0.1, inertia=1e-4, position=(0.5, 0.0))
+            m.revolute("shaft", m.point("Q", 0.5, 0.0), rotor.pin())
+            m.drive(rotor, speed=22.0)
+        return assemble(m, turns=10.0 if crank else None, duration=None if crank else 1.0).choice
+
+    assert at((0.3, 0.0, 0.0), crank=True).step == at((0.0, 0.0, 0.0), crank=True).step
+    assert at((0.3, 0.0, 100.0), crank=True).step < 0.5 * at((0.0, 0.0, 0.0), crank=True).step
+    assert at((0.3, 0.0, 0.0), crank=False).step < 0.1 * at((0.0, 0.0, 0.0), crank=False).step
+
+
 def test_a_spring_limits_the_step_by_its_frequency() -> None:
     """A mass on a spring, 2/omega = 2 sqrt(m/k)."""
     m = Mechanism("mass", gravity=(0.0, 0.0))

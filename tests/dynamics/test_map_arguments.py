@@ -6,12 +6,16 @@ import sys
 import numpy as np
 import pytest
 
+import vfife
 from dynamics.test_maps import oscillator
+from vfife import gallery
 from vfife.dynamics.basins import basins
 from vfife.dynamics.bifurcation import bifurcation
 from vfife.dynamics.sections import poincare_section
 from vfife.dynamics.waterfall import waterfall
 from vfife.errors import ModelError
+from vfife.modelfile import dump, loads
+from vfife.report.html import text
 
 PATH = "spring.spring.damping"
 QUICK = {"count": 2, "turns": 4, "dropped": 2, "step": 2e-4, "series": ["block.x"], "companions": 0}
@@ -153,3 +157,30 @@ def test_basins_vary_a_velocity_that_the_model_leaves_at_zero():
     assert found.done == 4 and first != last
     with pytest.raises(ModelError, match=r"body\.block\.velocity: .* \"body\.block\.velocity\.0\""):
         basins(oscillator(), ("body.block.velocity", -0.1, 0.1), axes[1], count=2, **QUICK_GRID)
+
+
+def test_a_number_that_the_kind_of_joint_or_driver_lacks_is_not_suggested():
+    """An ideal joint has no clearance, and a driver with a speed has no frequency of a harmonic motion."""
+    machine = gallery.slider_crank_loose_pin()
+    for path in ("clearance", "joint.*.clearance"):
+        with pytest.raises(ModelError, match=r'did you mean "joint\.pin\.clearance"\?') as refused:
+            bifurcation(machine, path, "0.1 mm", "0.2 mm")
+        assert "joint.O.clearance" not in str(refused.value) and "list the paths" not in str(refused.value)
+    sentence = r"that of crank has speed.*[dD]id you mean .driver\.crank\.speed."
+    for ends in (("1 mm", "2 mm"), ("1 Hz", "2 Hz")):
+        with pytest.raises(ModelError, match=sentence):
+            bifurcation(machine, "driver.crank.frequency", *ends)
+    with pytest.raises(ModelError, match=sentence):
+        vfife.study(machine, {"driver.crank.frequency": ["1 Hz", "2 Hz"]}, "pin.force.max", turns=1)
+    with pytest.raises(ModelError, match=r"[Dd]id you mean") as unknown:
+        loads(dump(machine), set=[("joint.O.clearence", 1e-4)])
+    assert "joint.O.clearance" not in str(unknown.value)
+
+
+def test_a_range_from_its_upper_end_begins_on_the_way_down():
+    down = bifurcation(oscillator(), PATH, 2.0, 1.0, **QUICK)
+    up = bifurcation(oscillator(), PATH, 1.0, 2.0, **QUICK)
+    assert down.spec.ways == up.spec.ways[::-1] == ("down", "up")
+    assert [row[:2] for row in down.table()][1] == [2.0, "down"]
+    assert "from 1 N s/m to 2 N s/m" in text(down) and "from 2 N s/m" not in text(down)
+    assert down.spells(0)[0].first == up.spells(0)[0].first == 1.0

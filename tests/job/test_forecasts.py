@@ -152,6 +152,57 @@ def test_a_run_file_lies_below_the_upper_end_of_its_forecast(name: str, tmp_path
     assert f", {low} to {high} in {path}" in needed.sentence(path) and low != high
 
 
+def between_stops() -> vfife.Mechanism:
+    """A mass on a spring between two stops, whose outputs compress to an eighth."""
+    m = vfife.Mechanism("mass between stops")
+    mass = m.rigid_body("mass", mass=1.0, inertia=1e-4)
+    m.slider("rail", m.point("O", 0.0, 0.0), mass.pin())
+    m.spring("spring", m.point("W", -0.3, 0.0), mass.pin(), stiffness=1000.0, damping=2.0, free_length=0.3)
+    law = {"law": "kelvin-voigt", "stiffness": 1e5, "damping_coefficient": 20.0}
+    for name, side in (("right", 1.0), ("left", -1.0)):
+        m.external_contact(
+            name, m.point(name, side * 0.015, 0.0), mass.pin(), journal_radius=0.01, direction=(0.0, side),
+            contact=law, friction="none",
+        )  # fmt: skip
+    rotor = m.rigid_body("rotor", mass=0.1, inertia=1e-4, position=(0.5, 0.0))
+    m.revolute("shaft", m.point("Q", 0.5, 0.0), rotor.pin())
+    m.drive(rotor, speed=32.0)
+    m.force(
+        "drive", mass.pin(), force=(10.0, 0.0), crank="rotor", expression="cos(angle)", angles=[0, "360 deg"]
+    )
+    return m
+
+
+@pytest.mark.parametrize(
+    ("make", "turns", "companions"),
+    [(between_stops, 300, 0), (gallery.slider_crank_loose_pin, 120, 0), (gallery.four_bar, 60, 3)],
+)
+def test_a_long_run_lies_between_the_ends_of_its_forecast(
+    make: Callable[[], vfife.Mechanism], turns: int, companions: int, tmp_path: Path
+) -> None:
+    """The first took 266 MB where "1.18 GB to 1.41 GB" were forecast, and 27 s where it was "1 min 01 s"."""
+    begun: list[tuple[Forecast, float]] = []
+
+    class Record(Job):
+        def begin(self, forecast: Forecast) -> None:
+            begun.append((forecast, time.process_time()))
+
+    job, path = Record("test", None, True, lambda progress: None), tmp_path / "run.sqlite"
+    vfife.simulate(make(), turns=turns, companions=companions, file=path, progress=job)
+    (needed, began) = begun[-1]
+    taken = time.process_time() - began
+    assert needed.spread is not None
+    low, high = needed.spread
+    halved = float(needed.note != "") * cost.MOST_TRIES
+    assert low <= taken <= max(high, halved * high), (needed.spread, taken)
+    assert high <= 5.0 * low, "a range that says something"
+    assert needed.disk <= path.stat().st_size <= needed.most_disk, (needed.disk_words, path.stat().st_size)
+    assert needed.most_disk <= (4.0 if companions else 2.0) * needed.disk
+    assert (
+        f": {needed.time_words} on an idle machine" in needed.sentence(path) and " to " in needed.time_words
+    )
+
+
 def test_wear_is_forecast_before_its_first_block(monkeypatch: pytest.MonkeyPatch) -> None:
     """From turns of a runner of its own: what is then simulated has the bits that it has without them. Turns
     with wear are timed, because they take longer.

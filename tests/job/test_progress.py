@@ -3,6 +3,7 @@ seconds.
 """
 
 import sys
+import time
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 
@@ -18,6 +19,7 @@ from vfife.job.job import job_of
 from vfife.job.progress import Counter, ProgressLine, ScriptLine, amount_of_bytes, script_line, span
 from vfife.solvers.status import Progress
 from vfife.solvers.transient import Stepping
+from vfife.store.runfile import RunFile
 
 STUDY = {"turns": 2, "step": 2e-4}
 
@@ -73,7 +75,49 @@ def test_a_terminal_has_a_bar_at_once_and_a_file_lines_after_ten_seconds(monkeyp
         line(count(done, 4))
     line.close()
     texts = capsys.readouterr().err.splitlines()
-    assert len(texts) == 2 and texts[0].startswith("100 %  4 of 4 values") and texts[0] == texts[1], texts
+    assert len(texts) == 3 and texts[0].startswith(" 50 %  2 of 4 values"), "the first line comes at once"
+    assert texts[1].startswith("100 %  4 of 4 values") and texts[1] == texts[2], texts
+
+
+def test_what_follows_the_last_step_is_shown(monkeypatch, capsys):
+    """A long run was silent for 40 s after 100 %, while turns were compared and measures taken."""
+    clock = SimpleNamespace(now=0.0)
+    monkeypatch.setattr(progress.time, "monotonic", lambda: clock.now)
+    line = ScriptLine()
+    for clock.now in (2.0, 12.0):
+        line(Progress(10, 10, 2.0))
+        line.phase("comparing turns")
+    line.close()
+    texts = capsys.readouterr().err.splitlines()
+    end = "100 %  10 of 10 steps  5 steps/s  in 2 s"
+    assert texts == [end, f"{end}; comparing turns", end], "nothing of short work"
+
+
+def test_a_run_shows_what_it_computes_after_its_last_step(monkeypatch, capsys, tmp_path):
+    for name in ("PATIENCE", "PLAIN_SECONDS"):
+        monkeypatch.setattr(progress, name, -1.0)
+    vfife.simulate(four_bar("C"), turns=0.2, step=2e-6, reference=False, file=tmp_path / "a.run")
+    texts = capsys.readouterr().err.splitlines()
+    steps = next(k for k, text in enumerate(texts) if text.startswith("100 %"))
+    assert [text.partition("; ")[2] for text in texts[steps:]] == [
+        "", "comparing turns and steps", "taking measures and their ranges", ""
+    ]  # fmt: skip
+
+
+def test_the_time_of_a_run_includes_the_time_to_write_it(monkeypatch, tmp_path):
+    """A run that is written as slowly as it is stepped takes twice as long as its steps."""
+    calls, append = [], RunFile.append
+
+    def slow(*args, **named):
+        time.sleep(0.1)
+        return append(*args, **named)
+
+    monkeypatch.setattr(RunFile, "append", slow)
+    vfife.simulate(
+        four_bar("C"), turns=0.2, step=2e-6, reference=False, companions=0, file=tmp_path / "a.run",
+        progress=calls.append,
+    )  # fmt: skip
+    assert calls[-1].done == calls[-1].steps and calls[-1].seconds >= 0.1 * len(calls)
 
 
 def test_a_script_is_told_how_long_it_takes(capsys):

@@ -14,6 +14,7 @@ import pint
 import pytest
 
 import vfife
+from vfife.errors import ModelError
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
@@ -251,3 +252,11 @@ def test_a_pin_is_driven_by_a_builder_and_nothing_drives_two_things() -> None:
     two.drivers["none"] = dataclasses.replace(two.drivers["none"], body="carriage")
     with pytest.raises(vfife.VfifeError, match="Name one of them, or write a driver for each"):
         vfife.simulate(two, duration=0.01)
+
+
+@pytest.mark.parametrize("gravity", [-9.81, (0.0, -9.81, 0.0), [-9.81]])
+def test_gravity_that_is_no_pair_is_refused_at_once(gravity: Any) -> None:
+    """Not by the first call that needs the whole mechanism."""
+    with pytest.raises(ModelError, match=r"Mechanism\(\), gravity.*(a list of 2 values|2 values|missing)"):
+        vfife.Mechanism("machine", gravity=gravity)
+    assert vfife.Mechanism("machine", gravity=(0.0, -9.81)).gravity == (0.0, -9.81)

@@ -354,3 +354,13 @@ def test_a_doubtful_radius_or_clearance_is_the_first_caution_of_a_run(clearance:
     assert caution in str(m.check())
     summary = vfife.simulate(m, duration=0.002, outputs=10, companions=0).summary
     assert next(cautions(summary)) == caution and list(cautions(summary)).count(caution) == 1
+
+
+def test_a_speed_as_a_text_without_a_unit_is_questioned_as_the_number_is() -> None:
+    questions = []
+    for speed in (600, "600"):
+        m = vfife.Mechanism("crank")
+        m.revolute("O", m.point("O", 0.0, 0.0), m.link("crank", length=0.1, mass=1.0).start)
+        m.drive("crank", speed=speed)
+        questions.append([text for text in suspects(m) if "is it 600 rpm?" in text])
+    assert len(questions[0]) == 1 and questions[0] == questions[1]

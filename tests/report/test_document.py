@@ -461,3 +461,18 @@ def test_a_report_has_no_folder_of_the_user(tmp_path: Path) -> None:
     file.write_text(f"#:schema file:///home/me/model.schema.json\n{text}", encoding="utf-8")
     written = str(model_file("", str(file)))
     assert text.splitlines()[0] in written and "#:schema" not in written and "/home/me" not in written
+
+
+def test_the_first_sentence_of_a_report_tells_that_a_force_is_a_mean_over_turns() -> None:
+    summary = with_ranges(B=(300.0, 400.0), C=(1000.0, 1400.0), D=(300.0, 400.0))
+    assert "mean" not in conclusion(summary)[0]
+    summary["turns"] = {**(summary["turns"] or {}), "motion": "not periodic", "first": 11, "last": 20}
+    for joint, highest in (("B", 500e3), ("D", 400e3)):
+        value = summary["measures"][f"{joint}.force.max"]
+        summary["ranges"][f"{joint}.force.max"] |= {"lowest": 0.5 * value, "highest": highest}
+    first, joint, *_ = conclusion(summary)
+    assert first.startswith("With clearance the largest joint force, a mean over turns, is "), first
+    assert re.search(r"; single turns reach 500(\.\d+)? kN, in joint B; with ideal joints it is", first), (
+        first
+    )
+    assert " (mean), a change of " in joint

@@ -60,6 +60,7 @@ SHORT_STEP, MANY_OUTPUTS = 0.5, "the number of outputs"
 # a peak that falls in the half interval between is counted in the next turn.
 FEWEST_OUTPUTS = 36
 TURN_STEPS = 3600  # steps in a turn if nothing else limits them
+LEAST_SIZE = 1e-3  # m, of a mechanism whose pins are all in the centres of their bodies
 LONGEST_STEP = 2.0  # of the length of a run: longer steps are mistakes of units
 # Steps in a turn below each of which ideal joints are corrected once more, and the fewest with which ideal
 # mechanisms are followed.
@@ -140,8 +141,9 @@ def _choice(models: StepModels, case: int, bounds: Bounds, request: StepRequest)
     turn = turn_of(mechanism)
     length = length_of(mechanism, request.turns, request.duration, turn)
     pace = shortest_turn(mechanism)
-    period = _time_scale(mechanism, layout, state, length) if models.free[case] or not pace else math.inf
-    period = min(period, pace or math.inf)
+    period = pace or math.inf
+    if models.free[case] or not pace:
+        period = min(period, _time_scale(mechanism, layout, state, length, has_crank=bool(pace)))
     motions = partial(functions_of, mechanism, layout, state, length)
     return step_within(mechanism.settings, bounds, Times(turn, length, period), motions, request)
 
@@ -378,11 +380,17 @@ def _divisor(per_turn: int, outputs: int) -> int:
     return min(divisors, key=lambda interval: (abs(interval - target), interval), default=target)
 
 
-def _time_scale(mechanism: Mechanism, layout: Layout, state: Array, length: float) -> float:
-    """Return a period (s) to be resolved in a mechanism without a crank: that of a pendulum of its size, of
-    its fastest particle on a circle of that size, and of its fastest turning, whichever is shortest.
+def _time_scale(mechanism: Mechanism, layout: Layout, state: Array, length: float, has_crank: bool) -> float:
+    """Return a period (s) to be resolved in a mechanism without a crank or with free bodies: that of a
+    pendulum of its size, of its fastest particle on a circle of that size, and of its fastest turning,
+    whichever is shortest.
+
+    Where all pins are centres of bodies, there is no circle: the size is only a bound. It is not used with a
+    crank, whose turn is a scale of time, because the speed of a start would then decide the step of a map.
     """
     size = size_of(mechanism)
+    if has_crank and size <= LEAST_SIZE:
+        size = math.inf
     gravity = hypot(*mechanism.gravity)
     speed = float(hypot(state[layout["particle_u"]], state[layout["particle_v"]]).max())
     spin = float(np.abs(state[layout["particle_w"]]).max())
@@ -395,7 +403,7 @@ def _time_scale(mechanism: Mechanism, layout: Layout, state: Array, length: floa
 def size_of(mechanism: Mechanism) -> float:
     """Return the largest distance (m) of a pin from the origin of its body."""
     pins = np.array([pin for body in mechanism.bodies.values() for pin in body.points.values()])
-    return max(float(hypot(*pins.reshape(-1, 2).T).max(initial=0.0)), 1e-3)
+    return max(float(hypot(*pins.reshape(-1, 2).T).max(initial=0.0)), LEAST_SIZE)
 
 
 def _spin(mechanism: Mechanism, layout: Layout, state: Array) -> float:

@@ -72,7 +72,7 @@ NEIGHBOUR_SHARE = 1e-6
 @dataclass(frozen=True)
 class SweepSpec(MapSpec):
     """Specification of a sweep of the parameter at ``path``, with its ``unit``, over ``values`` in the order
-    of the way up.
+    of the first way: up, or down if the range is given from its upper end.
 
     ``turns`` are simulated at each value, of which the first ``dropped`` are not recorded; ``series`` with
     their ``units`` are recorded once a turn of ``steps`` steps, at a ``phase`` (1) of it. ``starts``: numbers
@@ -96,7 +96,8 @@ class SweepSpec(MapSpec):
     @property
     def ways(self) -> tuple[str, ...]:
         """Names of the ways that lead to a value: up and down, or the starts."""
-        return tuple(start_words(start) or "own start" for start in self.starts) or CHAINS
+        chains = CHAINS if self.values[0] <= self.values[-1] else CHAINS[::-1]
+        return tuple(start_words(start) or "own start" for start in self.starts) or chains
 
     @property
     def count(self) -> int:
@@ -183,6 +184,8 @@ class Bifurcation(CheckedMap):
         kinds = [
             (value, kind) for value, kind in zip(self.spec.values, self.kinds[chain], strict=True) if kind
         ]
+        if self.spec.values[0] > self.spec.values[-1]:
+            kinds.reverse()
         spells: list[Spell] = []
         for kind, pairs in groupby(kinds, key=lambda pair: pair[1]):
             values = [value for value, _ in pairs]

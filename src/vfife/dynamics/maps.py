@@ -10,14 +10,14 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from itertools import product, takewhile
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..errors import Fault, ModelError, VfifeError, former_names, suggestion
-from ..files import DataTable
+from ..files import DataTable, share_done
 from ..job.cost import LANES, TANGENTS, WORTH, Forecast, cores, run_cost, timed_step
 from ..job.job import job_of
 from ..model.functions import crank_faults
@@ -69,11 +69,21 @@ class Map(NotebookDocument, DataTable):
     noun: ClassVar[str] = "values"  # what is computed one after the other
     name: str
     spec: Any
+    if TYPE_CHECKING:  # a field or a property
+
+        @property
+        def done(self) -> int:
+            """Number of values, turns or starts that are computed."""
 
     @property
     def planned(self) -> int:
         """Number of values, turns or starts of a complete map."""
         return len(self.spec.values)
+
+    @property
+    def progress(self) -> str:
+        """How much is computed, as in "12 of 100 values"; empty for a complete map."""
+        return share_done(self.done, self.planned, self.noun)
 
     @property
     def laws(self) -> str:
@@ -269,7 +279,12 @@ def unit_at(mechanism: Mechanism, path: str) -> str:
     try:
         number = Parameter(mechanism, path)
     except Fault as fault:
-        raise ValueError(f"{path}: {fault.what}; {fault.remedy}") from None
+        # A map needs one number: neither a list of paths nor a text of the model is suggested.
+        general = fault.remedy.startswith(("did you mean", "list the paths"))
+        remedy = suggestion(path, numbers(mechanism), "name one") if general else fault.remedy
+        raise ValueError(f"{path}: {fault.what}; {remedy}") from None
+    if (misfit := number.misfit) is not None:
+        raise ValueError(f"{path}: {misfit.what}; {misfit.remedy}")
     if not isinstance(number.field, Measure):
         keys = path.split(".")
 

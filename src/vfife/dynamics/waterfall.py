@@ -123,6 +123,7 @@ class Waterfall(Map):
     """
 
     kind: ClassVar[str] = "waterfall"
+    noun: ClassVar[str] = "runs"
     orders: Array
     turn: Array
     amplitudes: Mapping[str, Array]

@@ -247,6 +247,11 @@ def write_tables(path: str | Path, tables: Mapping[str, Iterable[Iterable[Any]]]
 class DataTable:
     """Base of results with a table: :meth:`table` yields its heads, then its rows."""
 
+    @property
+    def progress(self) -> str:
+        """How much is computed, as in "12 of 100 values"; empty for a complete result."""
+        return ""
+
     def table(self) -> Iterator[Sequence[Any]]:
         """Yield the heads of the columns, then every row."""
         raise NotImplementedError
@@ -281,11 +286,24 @@ class DataTable:
             self.write_csv(path)
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """Return the table for pandas, with numbered rows."""
+        """Return the table for pandas, with numbered rows. Its ``attrs`` tell whether the result is
+        ``complete``, and how much of another one is ``computed``.
+        """
         import pandas
 
         heads, *rows = self.table()
-        return pandas.DataFrame(rows, columns=list(heads))
+        return with_completeness(pandas.DataFrame(rows, columns=list(heads)), self.progress)
+
+
+def share_done(done: float, planned: float, noun: str) -> str:
+    """Return how many of the planned things are done as text; empty if all are."""
+    return "" if done >= planned else f"{done:,.0f} of {planned:,.0f} {noun}"
+
+
+def with_completeness(frame: pandas.DataFrame, progress: str) -> pandas.DataFrame:
+    """Return a table, whose ``attrs`` tell whether it is ``complete`` or how much is ``computed``."""
+    frame.attrs |= {"complete": not progress} | ({"computed": progress} if progress else {})
+    return frame
 
 
 def named_rows(rows: Sequence[dict[str, Any]]) -> Iterator[Sequence[Any]]:

@@ -27,6 +27,7 @@ from ..compiler.trace.straight_line import estimated_lines
 from ..solvers.record import recorded_rows
 from ..solvers.status import Status
 from ..solvers.transient import choose_loop, run
+from ..store.packing import packed
 from .progress import amount_of_bytes, counted, span
 
 # Time (ns) of a step, and what each clearance joint, ideal joint and element adds to it; one lane, common
@@ -63,10 +64,22 @@ START = 1.0  # s of processor time in which a command starts, reads a model and 
 RECORD_COPIES = 1.75
 LIBRARIES = 1.6e8
 COMPRESSED = 0.5  # bytes of outputs in a run file, over those of the numbers
+# The same of a motion that hardly changes its numbers, the least of the examples.
+LEAST_COMPRESSED = 0.05
+# Outputs and steps of a sample that is compressed, its least outputs, and the least and the largest share
+# of a long run over that of its sample: 0.76 to 1.11 in runs of 100 and 1000 turns.
+SAMPLE, SAMPLE_STEPS, LEAST_SAMPLE = 2000, 500_000, 100
+SAMPLED = 0.7, 1.3
 # Largest size of a run file over its forecast, without and with companions: outputs that an automatic step
 # wrote again and rows of companions that were replaced stay as free pages. The largest of 14 runs are 1.08
 # and 1.89.
 LARGEST_FILE = 1.2, 2.0
+# Least and largest time of stepping over that of a short part of a run, and over that of the table.
+TIMED, TABLED = (0.75, 1.3), (0.4, 3.5)
+# s to record a byte, to write it into a run file and to measure it, without and with companions: the least
+# and the largest in runs of 100 and 1000 turns of six mechanisms are 0.9e-8 and 1.7e-8, 1.9e-8 and 4.5e-8.
+WRITTEN_TRIES = 1.5  # time to write and to measure all three tries, over that of the last
+WRITING = {False: (7e-9, 2.5e-8), True: (1.5e-8, 6e-8)}
 
 # Time (ns) and bytes to write a number into a file of an ending.
 EXPORTED = {
@@ -110,6 +123,7 @@ class Forecast:
     remarks: tuple[str, ...] = ()
     parts: tuple[str, ...] = ()
     first_look: float = math.inf  # s that a first look at the same takes
+    spread: tuple[float, float] | None = None  # s, from which to which time a run may take
     disk_growth: float = 1.0
     ends: tuple[float, float] | None = None
     bound: float = math.inf
@@ -131,6 +145,11 @@ class Forecast:
     def longest(self) -> float:
         """Time (s) in the dearest case."""
         return self.seconds if self.ends is None else self.ends[1]
+
+    @property
+    def time_words(self) -> str:
+        """Time as text, as a range where it is one."""
+        return " to ".join(dict.fromkeys(map(span, self.spread or (self.seconds,))))
 
     @property
     def most_disk(self) -> float:
@@ -171,7 +190,7 @@ class Forecast:
         lanes = f", {counted(self.lanes, self.noun)} at once in each" if self.lanes > 1 else ""
         disk = f", {self.disk_words} in {place}" if place is not None and self.disk else ""
         threads = f"{counted(self.threads, 'thread')}{lanes}"
-        return f"{work}: {span(self.seconds)} on an idle machine with {threads}{disk}{self.note}."
+        return f"{work}: {self.time_words} on an idle machine with {threads}{disk}{self.note}."
 
 
 def cores() -> int:
@@ -196,7 +215,8 @@ class RunCost:
     state, bytes of the record, times of the ideal reference and of the run without companions, bytes of
     memory and disk. With an automatic step it is that of the first try. ``measuring`` is the time (s) to
     write the run file and to take all measures, which is not among ``seconds``; ``disk_growth`` as in
-    :class:`Forecast`.
+    :class:`Forecast`. ``spread``: the least and the largest time (s) with ``measuring``, None for a run that
+    is repeated; ``halved``: the largest with an automatic step that is halved twice, 0 where none is.
     """
 
     loop: str
@@ -211,12 +231,18 @@ class RunCost:
     disk: float = 0.0
     measuring: float = 0.0
     disk_growth: float = 1.0
+    spread: tuple[float, float] | None = None
+    halved: float = 0.0
 
     def forecast(self, steps: int, remedy: str = "") -> Forecast:
         """Return the forecast of the run with its measures."""
         seconds = self.seconds + self.measuring
         amounts = seconds, self.memory, self.disk
-        return Forecast("run", 1, steps, *amounts, remedy=remedy, disk_growth=self.disk_growth)
+        note = f"; up to {span(self.halved)} if the step is halved twice" if self.halved else ""
+        growth, spread = self.disk_growth, self.spread
+        return Forecast(
+            "run", 1, steps, *amounts, remedy=remedy, note=note, disk_growth=growth, spread=spread
+        )
 
 
 def run_cost(
@@ -235,7 +261,9 @@ def run_cost(
     cost = _alone(assembly)
     if companions:
         cost = dataclasses.replace(cost, seconds=COMPANIONS * cost.seconds)
-    if measured and cost.seconds > WORTH and cost.loop == "generated":
+    written = MEASURING_SECONDS[companions > 0] * cost.bytes
+    measured = measured and cost.seconds + written > WORTH and cost.loop == "generated"
+    if measured:
         cost = dataclasses.replace(cost, seconds=timed_step(assembly, companions) * assembly.choice.steps)
     size, stepping = float(cost.bytes), cost.seconds / (COMPANIONS if companions else 1.0)
     if reference is not None:
@@ -248,11 +276,33 @@ def run_cost(
         seconds *= MESHED
     elif refined:
         seconds, memory = REFINED * seconds, memory + 2.0 * cost.bytes
-    measuring = MEASURING_SECONDS[companions > 0] * cost.bytes
-    return dataclasses.replace(
-        cost, seconds=seconds, stepping=stepping, memory=memory, disk=COMPRESSED * size, measuring=measuring,
+    cost = dataclasses.replace(
+        cost, seconds=seconds, stepping=stepping, memory=memory, disk=COMPRESSED * size, measuring=written,
         disk_growth=LARGEST_FILE[companions > 0],
     )  # fmt: skip
+    if not refined:
+        halves = companions > 0 and assembly.choice.automatic
+        cost = _with_spread(cost, seconds - recording, companions > 0, measured, halves)
+    share = sampled_share(assembly) if measured else None
+    if share is None:
+        return cost
+    low, high = SAMPLED
+    growth = high / low * cost.disk_growth / LARGEST_FILE[0]
+    return dataclasses.replace(cost, disk=low * share * size, disk_growth=growth)
+
+
+def _with_spread(cost: RunCost, stepping: float, accompanied: bool, timed: bool, halves: bool) -> RunCost:
+    """Return the cost of a run with its least and its largest time, and the largest of one that ``halves``
+    its step twice; ``stepping``: time (s) of its steps and of the reference, of a ``timed`` part or of the
+    table.
+    """
+    low, high = (
+        pace * stepping + writing * cost.bytes
+        for pace, writing in zip(TIMED if timed else TABLED, WRITING[accompanied], strict=True)
+    )
+    pace, writing = (TIMED if timed else TABLED)[1], WRITING[accompanied][1]
+    halved = MOST_TRIES * pace * stepping + WRITTEN_TRIES * writing * cost.bytes if halves else 0.0
+    return dataclasses.replace(cost, spread=(low, high), halved=halved)
 
 
 def _alone(assembly: Assembly) -> RunCost:
@@ -336,6 +386,21 @@ def timed_step(assembly: Assembly, companions: int = 0) -> float:
     brief = min(timed(lambda: run_chunk(short)) for _ in range(2))
     full = min(timed(lambda: run_chunk(long)) for _ in range(2))
     return max(full - brief, 0.1 * full) / (long.choice.steps - short.choice.steps)
+
+
+def sampled_share(assembly: Assembly) -> float | None:
+    """Return the bytes of the first outputs in a run file over those of their numbers; None for fewer than
+    :data:`LEAST_SAMPLE` outputs in :data:`SAMPLE_STEPS` steps. Raises KeyboardInterrupt on Ctrl-C.
+    """
+    choice = assembly.choice
+    outputs = min(SAMPLE, choice.outputs, SAMPLE_STEPS // choice.outputs_every)
+    if outputs < LEAST_SAMPLE:
+        return None
+    record = run(dataclasses.replace(assembly, choice=dataclasses.replace(choice, outputs=outputs)))
+    if record.status == Status.INTERRUPTED:
+        raise KeyboardInterrupt
+    rows = record.rows[:]
+    return len(packed(rows)) / max(rows.nbytes, 1)
 
 
 # ----------------------------------------------------------------------------------------------------- lanes

@@ -17,8 +17,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import Fault, ModelError, VfifeError
+from ..files import share_done
 from ..solvers.status import Progress
-from .progress import Counter, ScriptLine
+from .progress import Counter, ProgressLine, ScriptLine
 
 if TYPE_CHECKING:
     from ..store.lock import Lock
@@ -60,6 +61,7 @@ class Job:
         self.line = ScriptLine() if progress is None else None
         self.progress = self.line if progress is None else progress
         self.counter: Counter | None = None
+        self.counted = ""  # items that are done, of how many
         self.began = time.monotonic()
         self.limit = 0
 
@@ -89,16 +91,23 @@ class Job:
         if self.progress is not None:
             self.progress(progress)
 
+    def phase(self, text: str) -> None:
+        """Show what is computed after the last step; functions of scripts receive steps only."""
+        if isinstance(self.progress, ScriptLine | ProgressLine):
+            self.progress.phase(text)
+
     def count(self, done: int, total: int, noun: str, failed: bool = False) -> None:
         """Report that one more of many equal items is done."""
         self.counter = self.counter or Counter(noun, self.began, self.limit)
+        self.counted = share_done(done, total, noun)
         self(self.counter(done, total, failed))
 
     def interrupted(self) -> None:
         """Print on standard error that Ctrl-C ended the work, because the script goes on with the result."""
         if sys.stderr is not None:
+            place = f" after {self.counted}" if self.counted else ""
             print(
-                f"{self.caller}() was interrupted; it returns the results computed until then.",
+                f"{self.caller}() was interrupted{place}; it returns the results computed until then.",
                 file=sys.stderr,
             )
 

@@ -34,6 +34,7 @@ class ProgressLine:
         self.bars: Bars | None = None
         self.step_count, self.written, self.last, self.note = 0, time.monotonic(), "", ""
         self.share, self.done = 0.0, 0  # the largest share that was shown of work whose amount grows
+        self.began = self.written
 
     def __enter__(self) -> ProgressLine:
         ACTIVITY.pause()
@@ -90,6 +91,15 @@ class ProgressLine:
             self.written = time.monotonic()
             print(self.last, file=sys.stderr)
 
+    def phase(self, text: str) -> None:
+        """Show what is computed after the last step; of short work only on a terminal."""
+        shown = f"{self.last}; {text}" if self.last else text
+        if self.bars is not None:
+            self.bars.update(self.task, description=shown, refresh=True)
+        elif not self.quiet and time.monotonic() - self.began > PLAIN_SECONDS:
+            self.written = time.monotonic()
+            print(shown, file=sys.stderr)
+
 
 class NotebookLine:
     """A line below a notebook cell that is replaced as the work continues."""
@@ -109,6 +119,10 @@ class NotebookLine:
         if time.monotonic() - self.written > 0.1:
             self.written = time.monotonic()
             self.shown.update(plain_text(self.last))
+
+    def phase(self, text: str) -> None:
+        """Show what is computed after the last step."""
+        self.shown.update(plain_text(f"{self.last}; {text}" if self.last else text))
 
 
 class ScriptLine:
@@ -130,12 +144,21 @@ class ScriptLine:
 
     def __call__(self, progress: Progress) -> None:
         """Show the progress."""
-        if self.make is None:
-            return
-        if self.line is None and time.monotonic() - self.began > self.patience:
-            self.line = self.make().__enter__()
-        if self.line is not None:
+        if self._due():
             self.line(progress)
+
+    def phase(self, text: str) -> None:
+        """Show what is computed after the last step."""
+        if self._due():
+            self.line.phase(text)
+
+    def _due(self) -> bool:
+        """Whether the work takes long enough to be shown; its line then begins at once."""
+        if self.line is None and self.make is not None and time.monotonic() - self.began > self.patience:
+            self.line = self.make().__enter__()
+            if isinstance(self.line, ProgressLine):
+                self.line.began = self.line.written = self.began
+        return self.line is not None
 
     def close(self) -> None:
         """End the line with its last content."""

@@ -15,6 +15,7 @@ from ..laws.law import LAWS, law_kind
 from ..schema import (
     Choice,
     Field,
+    FixedList,
     Reader,
     Text,
     contains_text,
@@ -248,10 +249,9 @@ def with_units(*path: str) -> Callable[[Class], Class]:
             arguments, reader = dict(zip(names, args, strict=False)) | values, ScriptReader()
             if len(args) <= len(names):
                 for name in quantities & arguments.keys():
-                    if contains_text(arguments[name]):
-                        arguments[name] = keys_and_types[name][1].read(
-                            arguments[name], (*path, keys_and_types[name][0]), reader
-                        )
+                    (key, kind), value = keys_and_types[name], arguments[name]
+                    if contains_text(value) or lacks_parts(kind, value):
+                        arguments[name] = kind.read(value, (*path, key), reader)
                 args, values = (), arguments
             if reader.faults:
                 raise ModelError(reader.faults, f"{model_class.__name__}()")
@@ -261,6 +261,15 @@ def with_units(*path: str) -> Callable[[Class], Class]:
         return model_class
 
     return decorate
+
+
+def lacks_parts(kind: object, value: Any) -> bool:
+    """Return whether a number, or a list of another length, stands for a list of fixed length."""
+    if type(kind) is not FixedList:
+        return False
+    return isinstance(value, int | float) or (
+        isinstance(value, list | tuple) and len(value) != len(kind.parts)
+    )
 
 
 def strange(path: Path, value: Any, names: list[str]) -> Fault:

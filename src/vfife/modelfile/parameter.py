@@ -32,7 +32,7 @@ from ..schema import (
 )
 from .paths import default_at, field_at, list_at, parsed, resolve
 from .read import line_at, lines_of, of_tables, text_of
-from .tables import Raw
+from .tables import Raw, kinds_of, table
 from .write import tables_of, unused
 
 STEEL = "steel"  # the material of what names none
@@ -116,6 +116,19 @@ class Parameter:
         value = self.get() if self.field is None else None
         values = value if isinstance(value, list) else list_at(self.tables, self.keys) or ()
         return [f"{self.path}.{k}" for k in range(len(values))]
+
+    @property
+    def misfit(self) -> Fault | None:
+        """The fault of a number of another kind of driver, with the numbers of this one; None for others."""
+        if self.steps is not None or self.keys[0] != "driver" or len(self.keys) != 3:
+            return None
+        _, name, key = map(str, self.keys)
+        holder = table(self.tables, "driver", name)
+        if key in holder or key in (keys := kinds_of("driver", holder)[0].keys):
+            return None
+        paths = [f"driver.{name}.{entry}" for entry in holder if entry in keys]
+        message = f"{key} is a number of another kind of driver; that of {name} has {', '.join(holder)}"
+        return Fault("", message, remedy=f"did you mean {' or '.join(map(shown, paths))}?")
 
     def read(self, value: Any) -> Any:
         """Return a value, possibly a text with a unit, in SI units. Raises Fault if it is invalid here."""

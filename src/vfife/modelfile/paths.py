@@ -25,6 +25,7 @@ from .tables import (
     body_table,
     entries,
     keys_at,
+    kinds_of,
     law_fields,
     slots_at,
     table,
@@ -159,11 +160,13 @@ def paths(raw: Raw) -> Iterator[str]:
     for section in ("run", "start"):
         yield from (f"{section}.{key}" for key in keys_at((section,)) or ())
     for name, ends in connected(raw):
-        yield from (f"joint.{name}.{key}" for key in keys_at(("joint", name)) or ())
         yield from (f"joint.{ends[0]}.{key}" for key in table(raw, "joint", name))
-    for section in ("body", "gear", "spring", "driver", "load"):
-        for name, _ in entries(raw, section):
-            yield from (f"{section}.{name}.{key}" for key in keys_at((section, name)) or ())
+    for section in ("joint", "body", "gear", "spring", "driver", "load"):
+        for name, holder in entries(raw, section):
+            # Only keys of its own kind: an ideal joint has no clearance.
+            kinds = kinds_of(section, holder) if section in (*FAMILIES, "driver") else ()
+            keys = kinds[0].keys if kinds else keys_at((section, name)) or ()
+            yield from (f"{section}.{name}.{key}" for key in keys)
     yield from (key for key in keys_at(()) or () if not isinstance(raw.get(key), dict))
 
 

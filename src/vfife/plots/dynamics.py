@@ -78,7 +78,7 @@ def diagram(result: Bifurcation) -> Figure:
         figure.legend([*entries.values()], [*entries], loc="outside lower center", markerscale=2.0, ncols=3)
     turns = result.spec.turns - result.spec.dropped
     title = f"{turns} turns at each value after {result.spec.dropped}"
-    heading(figure, _title(result, title, result.agreement))
+    heading(figure, _title(result, title, result.agreement), result.progress)
     return figure
 
 
@@ -192,7 +192,7 @@ def basins(result: Basins) -> Figure:
     ax.set_facecolor("white")
     figure.legend(handles=[*shares(result, colour), *crosses], loc="outside lower center", ncols=3)
     starts = f"{len(result.verdicts):,} starts, {spec.turns - spec.dropped} turns after {spec.dropped}"
-    heading(figure, _title(result, starts, result.agreement))
+    heading(figure, _title(result, starts, result.agreement), result.progress)
     return figure
 
 
@@ -223,7 +223,7 @@ def section(result: PoincareSection) -> Figure:
     for k, name in enumerate(result.struck, 1):
         onsets(axes[2 * k], axes[2 * k + 1], result, name)
     turns = f"{result.verdict.kind}; {result.done:,} turns after {result.spec.dropped:,}"
-    heading(figure, _title(result, turns, "no companions"))
+    heading(figure, _title(result, turns, "no companions"), result.progress)
     return figure
 
 

@@ -301,10 +301,14 @@ def _reason(name: str, runs: Sequence[RunData], labels: Sequence[str]) -> str:
 
 @rc_context(STYLE)
 def overlay(
-    name: str, runs: Sequence[RunData], labels: Sequence[str], panel_titles: Collection[str] = ()
+    name: str,
+    runs: Sequence[RunData],
+    labels: Sequence[str],
+    panel_titles: Collection[str] = (),
+    progress: str = "",
 ) -> Figure:
-    """Return a figure of several runs with data for it, of all panels or some. Raises VfifeError for runs
-    over different abscissae.
+    """Return a figure of several runs with data for it, of all panels or some. ``progress``: how many of the
+    planned runs these are, if not all. Raises VfifeError for runs over different abscissae.
     """
     kind = OVERLAYS[name]
     curves_of_runs = [kind.curves(run) for run in runs]
@@ -332,7 +336,7 @@ def overlay(
     turn = turns.pop() if len(turns) == 1 else ""
     if any(ax.get_title(loc="right").startswith(MEAN) for ax in panels.axes):
         turn += ", means of peaks"
-    return panels.close(f"{names}: {kind.title}{turn}, {len(runs)} runs")
+    return panels.close(f"{names}: {kind.title}{turn}, {progress or f'{len(runs)} runs'}")
 
 
 def look_of(k: int) -> dict[str, Any]:

@@ -51,7 +51,7 @@ def forces(comparison: Comparison) -> Figure:
     in each output interval, so that no peak is missed.
     """
     titles = [f"joint {name}" for name in comparison.joints]
-    return overlay("forces", comparison.results, labels(comparison), titles)
+    return overlay("forces", comparison.results, labels(comparison), titles, comparison.progress)
 
 
 @rc_context(STYLE)
@@ -91,7 +91,7 @@ def bars(comparison: Comparison) -> Figure:
     axes[0].set_yticks(places, labels(comparison))
     axes[0].invert_yaxis()
     note = "lines: ranges by runs with other step sizes" if estimated else f"errors {NOT_ESTIMATED}"
-    heading(figure, f"{comparison.mechanism} ({note})")
+    heading(figure, f"{comparison.mechanism} ({note})", comparison.progress)
     return figure
 
 
@@ -131,7 +131,8 @@ def fit_figure(fit: Fit) -> Figure:
         correlations(axes[5], fit)
     for k in range(1 + shown, len(curves)):
         axes[3 * k + 2].set_visible(False)
-    heading(figure, f"{fit.mechanism} fitted to {fit.data}: residual {100.0 * fit.share:.3g} %")
+    residual_words = f"residual {100.0 * fit.share:.3g} %"
+    heading(figure, f"{fit.mechanism} fitted to {fit.data}: {residual_words}", fit.progress)
     return figure
 
 
@@ -257,5 +258,5 @@ def tornado(sensitivity: Sensitivity) -> Figure:
         ax.set_xlabel(f"change (%) for 1 % more{note}")
     for ax in axes[len(names) :]:
         ax.set_visible(False)
-    heading(figure, f"{sensitivity.mechanism}: what its measures depend on")
+    heading(figure, f"{sensitivity.mechanism}: what its measures depend on", sensitivity.progress)
     return figure

@@ -296,7 +296,8 @@ def over_values(sweep: Waterfall, hertz: bool = False) -> Figure:
             xlabel="frequency (Hz)" if hertz else "order of the crank",
         )
         ax.set_xlim(left=0.0)
-    return panels.close(f"{sweep.name}: {sweep.words}; {sweep.limits}; no companions")
+    part = f"not complete, {sweep.progress}; " if sweep.progress else ""
+    return panels.close(f"{part}{sweep.name}: {sweep.words}; {sweep.limits}; no companions")
 
 
 def cell_edges(sweep: Waterfall, hertz: bool) -> Array:

@@ -80,7 +80,7 @@ def curves(study: Study, measures: list[str]) -> Figure | None:
     count = len(study.axes[parameters[1].name]) if len(parameters) > 1 else 0
     part = f"; {MOST_CURVES} of {count} values of {parameters[1].name}" if count > MOST_CURVES else ""
     bars = f"; bars: {bar_words(study)}" if study.errors and not dimensions else ""
-    heading(figure, study.model + part + (band if dimensions else bars))
+    heading(figure, study.model + part + (band if dimensions else bars), study.progress)
     return figure
 
 
@@ -197,7 +197,7 @@ def parallel(study: Study, measures: list[str]) -> Figure | None:
     )
     bar.outline.set_visible(False)
     bar.set_label(name_with_unit(colour, unit))
-    heading(figure, f"{study.model}: {len(order):,} cases")
+    heading(figure, f"{study.model}: {len(order):,} cases", study.progress)
     return figure
 
 
@@ -254,7 +254,7 @@ def fronts(study: Study, measures: list[str], larger: Collection[str] = ()) -> F
     for ax, pair in zip(axes, shown, strict=True):
         front_panel(ax, study, pair, larger)
     one_legend(figure, axes)
-    heading(figure, study.model)
+    heading(figure, study.model, study.progress)
     return figure
 
 

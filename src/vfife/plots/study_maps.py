@@ -55,7 +55,7 @@ def heat_maps(study: Study, measures: list[str]) -> Figure | None:
     medians = f" (median over {dimensions})" if dimensions else ""
     sensitive = f"; {text}" if (text := sensitive_words(study)) else ""
     hatched = f"; {HATCHED}" if any(ax.patches for ax in axes.values()) else ""
-    heading(figure, study.model + medians + sensitive + hatched)
+    heading(figure, study.model + medians + sensitive + hatched, study.progress)
     return figure
 
 

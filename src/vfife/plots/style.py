@@ -247,8 +247,11 @@ def one_legend(figure: Figure, axes: Iterable[Axes]) -> None:
         figure.legend(list(entries.values()), list(entries), loc="outside lower center", ncols=columns)
 
 
-def heading(figure: Figure, text: str) -> None:
-    """Add a title over all panels, broken if the figure is too narrow."""
+def heading(figure: Figure, text: str, progress: str = "") -> None:
+    """Add a title over all panels, broken if the figure is too narrow; it begins with the ``progress`` of a
+    result that is not complete.
+    """
+    text = f"not complete, {progress}; {text}" if progress else text
     figure.suptitle("\n".join(wrap(text, max(20, int(10.0 * figure.get_figwidth())), break_on_hyphens=False)))
 
 

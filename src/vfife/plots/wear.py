@@ -72,7 +72,7 @@ def wear_over_turns(wear: Worn) -> Figure:
     if wear.life_end:
         joint, by = wear.life_end["joint"], wear.life_end["by"]
         text += f"; life of joint {joint} ends after {life_turns(wear)} by its {by}"
-    heading(figure, f"{wear.name}: wear after {text}")
+    heading(figure, f"{wear.name}: wear after {text}", wear.progress)
     return fix_layout(figure)
 
 

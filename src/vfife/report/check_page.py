@@ -205,30 +205,32 @@ def _statics(check: Mapping[str, Any]) -> list[str]:
 
 
 def _cost(check: Mapping[str, Any]) -> list[str]:
-    from ..job.cost import BRIEF, MOST_TRIES, START
+    from ..job.cost import BRIEF, LEAST_COMPRESSED, START
 
     cost = check["estimate"]
     besides = START + cost["measuring"]
-    total = cost["seconds"] + besides
+    ends = cost["spread"] or (cost["seconds"] + cost["measuring"],)
+    total = " to ".join(dict.fromkeys(span(START + end) for end in ends))
     pace, compiling = (
         f"{cost['ns_per_step']:.0f} ns a step, {cost['loop']} loop",
         span(cost["compile_seconds"]),
     )
     repetitions = (
-        f"; {span(MOST_TRIES * cost['seconds'] + besides)} if the step has to be halved twice"
-        if check["step"]["searched"]
+        f", up to {span(START + cost['halved'])} if halved twice"
+        if check["step"]["searched"] and cost["halved"]
         else ""
     )
     repetitions += "; half and a quarter of the step with it, for the errors" if check["repeated"] else ""
     lines = [
-        f"Time, an estimate from a table of costs: {span(total)} ({pace}){repetitions};",
+        f"Time, an estimate from a table of costs: {total} ({pace}){repetitions};",
         (
-            f"  {span(besides)} of it to start, to write and to measure, and about {compiling} more to"
+            f"  up to {span(besides)} of it to start, to write and to measure, and about {compiling} more to"
             " compile that loop if it was never used here."
         ),
         (
-            f"The results take {amount_of_bytes(cost['bytes'])}, compressed to about half of it in the run"
-            f" file, which may grow to {amount_of_bytes(cost['disk_growth'] * cost['disk'])}."
+            f"The results take {amount_of_bytes(cost['bytes'])}, compressed in the run file"
+            f" {amount_of_bytes(LEAST_COMPRESSED * cost['bytes'])} to"
+            f" {amount_of_bytes(cost['disk_growth'] * cost['disk'])}, mostly below half of it."
         ),
         (
             f"  Loaded as one dataset, they take about {amount_of_bytes(cost['memory'])} of memory; run,"

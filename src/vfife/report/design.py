@@ -89,7 +89,8 @@ def sections(design: Design, model: str) -> list[Section]:
     table = Table(
         [heads[k] for k in used], [tuple(cells[k] for k in used) for cells in rows], caption, names=(0, fit)
     )
-    parts: list[Part] = [*(Paragraph(text) for text in conclusion(design)), table]
+    parts: list[Part] = [Paragraph(text) for text in (*interruption(design), *conclusion(design))]
+    parts.append(table)
     return [
         Section("Conclusion", parts),
         Section("Cautions", [Bullets(list(cautions(design)))]),
@@ -310,10 +311,15 @@ def scatter(design: Design) -> str:
     return "if the wear coefficient is exact; ten times the coefficient is a tenth of the life"
 
 
+def interruption(design: Design) -> Iterator[str]:
+    """Yield which parts of an interrupted answer are missing; the life may be there in part."""
+    if not design.complete:
+        missing = f": {and_words(sorted(design.missing))}" if design.missing else ""
+        yield f"The computation was interrupted: parts are missing{missing}."
+
+
 def cautions(design: Design) -> Iterator[str]:
     """Yield what the numbers assume."""
-    if not design.complete:
-        yield "The computation was interrupted: parts are missing."
     yield from value_cautions(design)
     yield from effect_cautions(design)
     if design.allocation is not None:

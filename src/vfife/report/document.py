@@ -24,7 +24,7 @@ from .parts import (
 __all__ = [
     "Bullets", "Caution", "Document", "Element", "Facts", "Figure", "Paragraph", "Part", "Preformatted",
     "Section", "Style",
-    "Table", "grouped", "paragraphs", "quantities",
+    "Table", "grouped", "incomplete", "paragraphs", "quantities",
 ]  # fmt: skip
 
 
@@ -41,6 +41,12 @@ class Document:
     def _repr_html_(self) -> str:
         """Return the answer as HTML for a notebook."""
         return fragment(self)
+
+
+def incomplete(progress: str, remedy: str = "with a file, the same call continues it.") -> list[Paragraph]:
+    """Return the first paragraph of an answer of which only so much is computed; none for a complete one."""
+    text = f"only {progress} are computed; {remedy}"
+    return [Paragraph(text, lead="Not complete: ", style="caution")] if progress else []
 
 
 def paragraphs(texts: Iterable[str], **options: Any) -> list[Paragraph]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ..job.progress import counted
 from ..measures.chaos import CHAOTIC, NO_POINTS, STEP_UNKNOWN, TEST_POINTS, UNDECIDED
 from .amounts import quantity
-from .document import Document, Paragraph, Table, paragraphs
+from .document import Document, Paragraph, Table, incomplete, paragraphs
 
 if TYPE_CHECKING:
     from ..dynamics.basins import Basins
@@ -49,7 +49,8 @@ def diagram(result: Bifurcation) -> Document:
     if not any(map(any, result.kinds)):
         words = f"{NO_POINTS}: none of {len(spec.values):,} values is complete"
         return Document(paragraphs([f"{result.name}: {spec.path}: {words}."]))
-    heads = spec.ways if spec.starts else ("values on the way up", "on the way down")
+    ways = spec.ways
+    heads = ways if spec.starts else (f"values on the way {ways[0]}", f"on the way {ways[1]}")
     counts = [Counter(kind for kind in kinds if kind) for kinds in result.kinds]
     rows = [
         (kind, *(count[kind] for count in counts))
@@ -58,7 +59,7 @@ def diagram(result: Bifurcation) -> Document:
     texts = [
         _chaos(result),
         *(
-            f"{DIRECTIONS.get(way, way)}: {spells_words(result.spells(k), unit, factor)}."
+            f"{DIRECTIONS.get(way, way)}: {spells_words(result.spells(k), unit, factor)}{_gap(result, k)}."
             for k, way in enumerate(spec.ways)
         ),
         _protocol(result, f"{spec.turns} turns at each value"),
@@ -70,8 +71,22 @@ def diagram(result: Bifurcation) -> Document:
         f"Companions: {result.step_report or 'none.'}",
     ]
     return Document(
-        [Table.numeric(("motion", *heads), rows), *paragraphs(texts)], f"{result.name}: {spec.path}"
+        [*incomplete(result.progress), Table.numeric(("motion", *heads), rows), *paragraphs(texts)],
+        f"{result.name}: {spec.path}",
     )
+
+
+def _gap(result: Bifurcation, chain: int) -> str:
+    """Return between which values a chain is not computed yet, or how many of them; empty if it is."""
+    kinds, (factor, unit) = result.kinds[chain], result.shown
+    gap = [k for k, kind in enumerate(kinds) if not kind]
+    if not gap:
+        return ""
+    if gap[-1] - gap[0] >= len(gap):
+        return f"; {counted(len(gap), 'value')} not computed"
+    ends = sorted(result.spec.values[k] for k in (gap[0], gap[-1]))
+    low, high = (quantity(factor * end, unit) for end in ends)
+    return f"; not computed {f'from {low} to {high}' if len(gap) > 1 else f'at {low}'}"
 
 
 def _period(kind: str) -> tuple[float, str]:
@@ -89,8 +104,11 @@ def _chaos(result: Bifurcation) -> str:
             low, high = (quantity(factor * end, unit) for end in (min(values), max(values)))
             place = f"between {low} and {high}" if len(values) > 1 else f"at {low}"
             direction = DIRECTIONS[way].lower() if way in DIRECTIONS else f"from {way}"
-            texts.append(f"{direction} {place} ({len(values)} of {sum(map(bool, kinds))} values)")
-    return f"Chaos was found {', '.join(texts)}." if texts else "No chaos was found."
+            computed = " computed" if result.progress else ""
+            texts.append(f"{direction} {place} ({len(values)} of {sum(map(bool, kinds))}{computed} values)")
+    if texts:
+        return f"Chaos was found {', '.join(texts)}."
+    return f"No chaos was found{f' in the {result.progress}' if result.progress else ''}."
 
 
 def spells_words(spells: Sequence[Spell], unit: str, factor: float = 1.0) -> str:
@@ -134,10 +152,11 @@ def basins(result: Basins) -> Document:
         *_transients(result),
         f"{_protocol(result, f'{spec.turns} turns of each start')}{impossible}",
         f"A motion is periodic if points repeat within 0.1 % of the range; {criterion}.",
-        f"Companions: {result.step_report or 'none.'}",
+        f"Companions: {result.step_report or ('not computed yet.' if result.progress else 'none.')}",
     ]
+    share = f"share of these {total:,}" if result.progress else "share"
     return Document(
-        [Table.numeric(("motion", "starts", "share"), rows), *paragraphs(texts)],
+        [*incomplete(result.progress), Table.numeric(("motion", "starts", share), rows), *paragraphs(texts)],
         f"{result.name}: {spec.paths[0]}, {spec.paths[1]}",
     )
 
@@ -196,7 +215,7 @@ def section(result: PoincareSection) -> Document:
         f"{result.done:,} turns after {spec.dropped:,} discarded turns, {spec.steps:,} steps a turn;"
         f" {result.laws}. {_range_of_exponent(result)}"
     )
-    return Document(paragraphs(texts))
+    return Document([*incomplete(result.progress), *paragraphs(texts)])
 
 
 def _range_of_exponent(result: PoincareSection) -> str:
@@ -218,7 +237,7 @@ def waterfall(result: Waterfall) -> Document:
             f"{result.name}: {', '.join(spec.series)} over {spec.path} from {low:.6g} to {high:.6g}"
             f" {spec.unit}{speeds}"
         ),
-        f"{result.done:,} runs. {result.words}.",
+        f"{counted(result.done, 'run')}. {result.words}.",
         (
             f"{result.limits[:1].upper()}{result.limits[1:]}; without companions; each run begins at the"
             " model's own start."
@@ -228,7 +247,7 @@ def waterfall(result: Waterfall) -> Document:
         texts.append(
             f"At {', '.join(f'{value:g}' for value in result.diverged)} {spec.unit} the motion diverged."
         )
-    return Document(paragraphs(texts))
+    return Document([*incomplete(result.progress), *paragraphs(texts)])
 
 
 def spectra(spectra: Sequence[Any], name: str) -> Document:

@@ -17,10 +17,10 @@ from ..errors import VfifeError
 from ..files import read_bytes
 from .amounts import interval, prefixed
 from .design_words import and_words, or_words
-from .digits import Json, ideal_force_text, is_undetermined, uncertainty
+from .digits import CERTAIN, Json, ideal_force_text, is_undetermined, turns_text, uncertainty
 from .document import Element, Facts, Paragraph, Part, Section, Table
 from .noise import blow, rivals
-from .overview import certainty, clearance_note, joint_table
+from .overview import certainty, clearance_note, interrupted_length, joint_table
 from .run_tables import (
     NONE_BEGAN,
     force_text,
@@ -130,8 +130,9 @@ def conclusion(summary: Json) -> list[str]:
     if summary["run"].get("analysis") == "static":
         run = summary["run"]
         return [f"The analysis found {run['reached']} of {run['load_factors']} equilibria."]
-    certain = without_options(certainty(summary))
-    return [text for text in (_cost(summary), _joint(summary), _knocks(summary), certain) if text]
+    certain, length = without_options(certainty(summary)), interrupted_length(summary)
+    part = f"The run was interrupted after {length}; all values are of that part." if length else ""
+    return [text for text in (part, _cost(summary), _joint(summary), _knocks(summary), certain) if text]
 
 
 def without_options(text: str) -> str:
@@ -145,23 +146,37 @@ def _cost(summary: Json) -> str:
     joints = summary["joints"]
     if not joints:
         return ""
-    names = _most_loaded(summary)
+    names, single = _most_loaded(summary), _single_turn(summary)
+    mean = ", a mean over turns," if single else ""
     name, force = or_words(names), _largest_force(summary, names)
     if not any(joint.get("clearance") for joint in joints.values()):
-        return f"No joint has clearance; the largest joint force is {force}, in joint {name}."
+        return f"No joint has clearance; the largest joint force{mean} is {force}, in joint {name}{single}."
+    lead = f"With clearance the largest joint force{mean} is {force}"
     ideals = [joint["ideal_force.max"] for joint in joints.values()]
     if any(ideal is None for ideal in ideals):
-        return f"With clearance the largest joint force is {force}, in joint {name}."
+        return f"{lead}, in joint {name}{single}."
     if len(names) > 1:
-        return (
-            f"With clearance the largest joint force is {force}, in joint {name}; with ideal joints it is"
-            f" {prefixed(max(ideals), 'N')}."
-        )
-    change = _change(summary, name)
+        ideal = prefixed(max(ideals), "N")
+        return f"{lead}, in joint {name}{single}; with ideal joints it is {ideal}."
+    change, place = _change(summary, name), "in that joint" if single else "there"
     return (
-        f"With clearance the largest joint force is {force} in joint {name}; with ideal joints it is"
-        f" {ideal_force_text(summary, name)} there{f', {change}' if change else ''}."
+        f"{lead} in joint {name}{single}; with ideal joints it is {ideal_force_text(summary, name)}"
+        f" {place}{f', {change}' if change else ''}."
     )
+
+
+def _single_turn(summary: Json) -> str:
+    """Return the largest force of a single turn and its joint, where largest forces are means over turns that
+    differ; empty elsewhere.
+    """
+    names = [f"{joint}.force.max" for joint in summary["joints"]]
+    spans = {name: turns_text(summary, name, "N", CERTAIN) for name in names}
+    differing = [name for name in names if spans[name] and not is_undetermined(summary, name)]
+    if not differing:
+        return ""
+    name = max(differing, key=lambda entry: float(summary["ranges"][entry]["highest"]))
+    largest = spans[name].rpartition(" to ")[2]
+    return f"; single turns reach {largest}, in joint {name.removesuffix('.force.max')}"
 
 
 def _most_loaded(summary: Json) -> list[str]:
@@ -198,10 +213,11 @@ def _joint(summary: Json) -> str:
     name = max(compared, key=compared.__getitem__)
     force = force_text(summary, f"{name}.force.max")
     clearance = prefixed(joints[name]["clearance"], "m")
+    mean = " (mean)" if turns_text(summary, f"{name}.force.max", "N", CERTAIN) else ""
     return (
         f"Of the joints with clearance, {name} ({clearance}, radial) differs most from the ideal joint: its"
-        f" largest force is {force}, {_change(summary, name)}. The clearance of another joint may cause that;"
-        " vfife design ranks them."
+        f" largest force is {force}{mean}, {_change(summary, name)}. The clearance of another joint may cause"
+        " that; vfife design ranks them."
     )
 
 

@@ -155,7 +155,9 @@ class NotebookDocument:
     name: str
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__} of {self.name!r}; see .plot(), .to_dataframe()>"
+        progress = getattr(self, "progress", "")
+        part = f", not complete: {progress}" if progress else ""
+        return f"<{type(self).__name__} of {self.name!r}{part}; see .plot(), .to_dataframe()>"
 
     def __str__(self) -> str:
         return text(self)

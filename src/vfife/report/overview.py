@@ -100,12 +100,23 @@ def heading_sentence(summary: Json) -> str:
     speeds = [in_rpm(abs(speed)) for speed in run.get("speeds", {}).values()]
     count = run.get("crank_turns", run["turns"])
     turns = [] if count is None else [f"{count:.4g} turn{'s' * (count != 1.0)}"]
+    turns = [planned] if (planned := interrupted_length(summary)) else turns
     ending = [] if summary["status"] == Status.COMPLETE else [str(summary["status"])]
     length = turns or [prefixed(run["time_s"], "s")]
     part = "means over turns" if over_several_turns(summary["turns"]) else f"values of the {summary['part']}"
     period = (summary["turns"] or {}).get("period") or 1
     part = f"period {period} · {part}" if period > 1 else part
     return " · ".join([summary["model"]["name"], *speeds, *length, contact_counts(summary), part, *ending])
+
+
+def interrupted_length(summary: Json) -> str:
+    """Return which part of an interrupted run is computed, as in "9.5 of 20 turns"; empty for others."""
+    run, share = summary["run"], summary["run"].get("steps_planned", 0) / max(summary["steps"], 1)
+    if not share:
+        return ""
+    if run["turns"] is None:
+        return f"{prefixed(run['time_s'], 's')} of {prefixed(share * run['time_s'], 's')}"
+    return f"{run['turns']:.4g} of {share * run['turns']:.4g} turns"
 
 
 def contact_counts(summary: Json) -> str:

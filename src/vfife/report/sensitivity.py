@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ..measures.values import NOT_ESTIMATED
 from ..numerics.outward import DOWN, UP, significant_range
 from .amounts import decimals, fixed_point, quantities, quantity
-from .document import Caution, Document, Paragraph, Part, Table, paragraphs
+from .document import Caution, Document, Paragraph, Part, Table, incomplete, paragraphs
 
 if TYPE_CHECKING:
     from ..results.derivatives import Effect, Sensitivity
@@ -30,6 +30,8 @@ REMEDIES = (
     " More turns (--turns), vfife study over a range, or vfife design may answer; --companions 0 computes the"
     " derivatives of the run alone."
 )
+# Of the numbers of an interrupted answer.
+UNCHECKED = "others are missing, and none is checked by finite changes or other steps."
 NOTES = {
     "change": "* change for 1 %: the derivative does not describe it.",
     "unknown": (
@@ -65,17 +67,15 @@ def sensitivity(result: Sensitivity, top: int = 8) -> Document:
     left_out = {"refused": result.refused, "rounding": sorted(result.rounding)}
     data = {"model": result.mechanism, "part": result.part, **status, **left_out, "rows": result.rows()}
     return Document(
-        [table, *paragraphs(texts), *notes], f"{result.mechanism}: what its measures depend on", data
+        [*incomplete(result.progress, UNCHECKED), table, *paragraphs(texts), *notes],
+        f"{result.mechanism}: what its measures depend on",
+        data,
     )
 
 
 def _caveats(result: Sensitivity) -> list[str]:
     """Measures and parameters without a meaningful derivative, and wide ranges."""
     texts = []
-    if not result.complete:
-        texts.append(
-            "interrupted: numbers are missing, and no derivative is checked by finite changes or other steps."
-        )
     if result.doubtful:
         omitted, remedies = (", and none was computed", REMEDIES) if result.undetermined else ("", "")
         texts.append(
@@ -135,6 +135,7 @@ def comparison(result: Comparison, folder: str = "", files: Sequence[str] = ()) 
         " joints. Contact is the mean share of the time of the run."
     )
     parts: list[Part] = [
+        *incomplete(result.progress, "the same comparison with its folder continues."),
         Table(heads, rows, numbers=range(2, 10), names=(0, 1)),
         *_ranges(result),
         Paragraph(note),
@@ -244,6 +245,7 @@ def identification(fit: Fit) -> Document:
     ]
     confidence = f"{100.0 * fit.confidence:g} % confidence"
     parts: list[Part] = [
+        *incomplete(fit.progress, "values have no errors, and another search may end elsewhere."),
         Table(("parameter", "value", "±, 1 σ", confidence, "bounds"), rows, numbers=(1, 2)),
         Table.numeric(("curve", "column", "left", "factor", "level"), curves, texts=2),
         *(

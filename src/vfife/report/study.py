@@ -16,7 +16,7 @@ from ..results.case_errors import NOT_ESTIMATED
 from ..store.lock import holder
 from .amounts import Digits, prefixed, quantities, quantity, quantity_of_digits
 from .case_errors import digits_of, error_table, error_words, errors_data, sensitivity_data, study_cautions
-from .document import Caution, Document, Paragraph, Part, Table
+from .document import Caution, Document, Paragraph, Part, Table, incomplete
 
 if TYPE_CHECKING:
     from ..results.parameters import Varied
@@ -177,7 +177,8 @@ def document(study: Study, cases: bool = False, members: bool = False) -> Docume
     turns = f"{counted(plan['turns'], 'turn')}{settling_words(study)}; measures are of {part}"
     if duration := plan.get("duration"):
         turns = f"{prefixed(duration, 's')}; measures are of the whole run, or of its last full turn"
-    parts: list[Part] = [Paragraph(text, lead=f"{study.model}: "), Paragraph(turns)]
+    parts: list[Part] = [*incomplete(study.progress, "the same study with its file continues.")]
+    parts += [Paragraph(text, lead=f"{study.model}: "), Paragraph(turns)]
     parts += [Paragraph(sentence, lines="whole") for sentence in remarks_on_turns(study)]
     parts += [parameter_table(study), extreme_table(study), error_table(study), *study_cautions(study)]
     if cases or members:

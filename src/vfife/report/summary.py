@@ -248,6 +248,7 @@ def _transient_run(result: RunData) -> Json:
         "long": not worth_refining(record.assembly),
         "stable_step": choice.stable if choice.stable < float("inf") else None,
         "set_by": choice.culprit,
+        **({"steps_planned": choice.steps} if record.status == "interrupted" else {}),
         # Those of radii and clearances are the first cautions.
         "notes": [note for note in record.assembly.notes if note not in suspect_surfaces(mechanism)],
         **({"reached": reached} if choice.turn is None and (reached := _reached_speeds(record)) else {}),

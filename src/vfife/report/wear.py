@@ -11,7 +11,7 @@ from ..laws.materials import OILED, PAIRS, SCATTER
 from ..measures.values import NOT_ESTIMATED
 from ..model.functions import turn_of
 from .amounts import life_range_words, life_words, quantity, turns_words
-from .document import Document, Table, paragraphs
+from .document import Document, Table, incomplete, paragraphs
 
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
@@ -43,7 +43,7 @@ def document(wear: Worn) -> Document:
         f"largest force ({NOT_ESTIMATED})",
     )
     return Document(
-        [Table.numeric(heads, rows), *paragraphs(list(_remarks(wear)))],
+        [*incomplete(wear.progress), Table.numeric(heads, rows), *paragraphs(list(_remarks(wear)))],
         f"{wear.name}: {wear.turns[-1]:,.0f} turns{_headline(wear)}",
     )
 

@@ -82,9 +82,15 @@ class Sensitivity(DataTable):
     part: str = "last turn"
     complete: bool = True
 
+    @property
+    def progress(self) -> str:
+        """How much is computed of an interrupted answer; empty for a complete one."""
+        return "" if self.complete else f"{len(self.derivatives)} of the derivatives"
+
     def __repr__(self) -> str:
         measures = "1 measure" if len(self.measures) == 1 else f"{len(self.measures)} measures"
         content = f"{measures} of {self.mechanism!r} to {len(self.derivatives)} numbers"
+        content += ", interrupted" if self.progress else ""
         return (
             f"<Sensitivity of {content}; see .effects(measure), .derivative(measure, path), .to_dataframe()>"
         )

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RunFileError, former_names
-from ..files import DataTable, write_text
+from ..files import DataTable, with_completeness, write_text
 from ..numerics.outward import significant_range
 from ..numerics.scalar import log
 from ..options import with_faults
@@ -201,12 +201,18 @@ class Fit(DataTable):
     notes: list[str] = field(default_factory=list)
     records: list[FitRecordValues] = field(default_factory=list)
 
+    @property
+    def progress(self) -> str:
+        """How much is computed of an interrupted fit; empty for a complete one."""
+        return f"{self.evaluations:,} runs of the search" if self.status == "interrupted" else ""
+
     def __repr__(self) -> str:
         values = ", ".join(value.words(self.confidence) for value in self.values)
         doubts = len(self.undetermined) + len(self.splits) + len(self.notes)
         notes = f"; {doubts} note{'s' * (doubts > 1)}: print it" if doubts else ""
+        part = "interrupted, " if self.progress else ""
         return (
-            f"<Fit of {self.mechanism!r} to {self.data!r}: {values}{notes}; see .to_dataframe(),"
+            f"<Fit of {self.mechanism!r} to {self.data!r}: {part}{values}{notes}; see .to_dataframe(),"
             " .undetermined, .plot()>"
         )
 
@@ -334,7 +340,8 @@ class Fit(DataTable):
         """
         import pandas
 
-        return pandas.DataFrame([value.json() for value in self.values]).set_index("name")
+        frame = pandas.DataFrame([value.json() for value in self.values]).set_index("name")
+        return with_completeness(frame, self.progress)
 
     def table(self) -> Iterator[Sequence[Any]]:
         """Yield the curves: place (of a spectrum frequency or order), measured and model's values of each;
@@ -344,6 +351,7 @@ class Fit(DataTable):
         channels = list(dict.fromkeys((curve.channel, curve.unit) for curve in self.curves))
         curves_by_record = [[curve for curve in self.curves if curve.record == name] for name in records]
         lengths = [len(curves[0].places) for curves in curves_by_record]
+        by_channel = [{(c.channel, c.unit): c for c in reversed(curves)} for curves in curves_by_record]
         columns = []
         if len(records) > 1:
             names = np.repeat(np.array(records, dtype=object), lengths)
@@ -353,15 +361,8 @@ class Fit(DataTable):
         for channel in channels:
             for source in ("measured", "model"):
                 values = [
-                    next(
-                        (
-                            getattr(curve, source)
-                            for curve in curves
-                            if (curve.channel, curve.unit) == channel
-                        ),
-                        np.full(length, np.nan),
-                    )
-                    for curves, length in zip(curves_by_record, lengths, strict=True)
+                    getattr(curves[channel], source) if channel in curves else np.full(length, np.nan)
+                    for curves, length in zip(by_channel, lengths, strict=True)
                 ]
                 head = f"{channel[0]} {source} [{channel[1]}]"
                 columns.append(TableColumn(head, np.concatenate(values)))

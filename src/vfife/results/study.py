@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import VfifeError, former_names, shown, suggestion
-from ..files import DataTable, path_of
+from ..files import DataTable, path_of, share_done, with_completeness
 from ..options import with_faults
 from ..solvers.status import Status
 from ..store.connections import warn_of_damage
@@ -150,6 +150,11 @@ class Study(DataTable):
     def left(self) -> tuple[StudyCase, ...]:
         """Cases still to be computed."""
         return tuple(case for case in self.cases if case.number not in self.outcomes)
+
+    @property
+    def progress(self) -> str:
+        """How much is computed, as in "148 of 400 cases"; empty for a complete study."""
+        return share_done(len(self.done), len(self.cases), "cases")
 
     @property
     def counts(self) -> dict[str, int]:
@@ -465,7 +470,7 @@ class Study(DataTable):
     def to_dataframe(self) -> pandas.DataFrame:
         """Return a table for pandas with one row per case."""
         index, *columns = self.table_columns()
-        return data_frame(columns, index=index)
+        return with_completeness(data_frame(columns, index=index), self.progress)
 
 
 @with_faults()

@@ -23,7 +23,7 @@ from ..store.lock import run_lock
 from ..store.runfile import RunFile
 from ..store.schemas import RUN
 from .result import Result
-from .simulate import Prepared, run_prepared
+from .simulate import MEASURING, Prepared, run_prepared, show_phase
 from .start import RestoredStart, Span, expected_forces
 
 
@@ -125,6 +125,7 @@ def resume(
     with job_of("resume", path, True, progress) as job, run_lock(path), RunFile.write(path) as file:
         prepared, last = reopen_run(file, end)
         result = run_prepared(prepared, progress=job, file=file, resume=last)
+        show_phase(job, result.record, MEASURING)
         result.finish(file)
         if result.record.status == Status.INTERRUPTED:
             job.interrupted()

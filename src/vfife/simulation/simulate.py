@@ -20,6 +20,7 @@ from ..errors import Fault, ModelError
 from ..files import path_of
 from ..job.cost import BRIEF, run_cost
 from ..job.job import Job, job_of
+from ..job.progress import ProgressLine
 from ..measures.energy import drifting, too_open
 from ..measures.error_ranges import ranges_of_next_try, window
 from ..measures.smooth_errors import estimate
@@ -44,6 +45,9 @@ from ..store.schemas import is_run_file
 from .result import Result
 from .start import RestoredStart, RunStart, Span, StartFrom, StaticStart, expected_forces, ideal_of, referred
 
+# What is computed after the last step.
+COMPARING = "comparing turns and steps"
+MEASURING = "taking measures and their ranges"
 Earlier: TypeAlias = dict[str, tuple[float, float]]
 Tried: TypeAlias = tuple[tuple[float, float | None], ...]
 
@@ -211,6 +215,7 @@ def run_into(prepared: Prepared, path: Path, job: Job) -> Result:
     with run_lock(path), RunFile.create(path, prepared.run_meta, gather=GATHER) as file:
         try:
             result = run_prepared(prepared, progress=job, file=file)
+            show_phase(job, result.record, MEASURING)
             result.finish(file)
         except BaseException:
             if not file.outputs_so_far:
@@ -371,6 +376,7 @@ def run_prepared(
         resume=resume,
         judge=judge,
     )
+    show_phase(progress, record, COMPARING)
     record = looked_at(prepared, record)
     if record.companions is not None:
         record.companions.earlier, record.companions.tries = prepared.earlier, prepared.tries
@@ -389,10 +395,17 @@ def run_prepared(
         record = run(
             assembly, loop=loop, progress=progress, file=file, companions=prepared.companions, judge=judge
         )
+        show_phase(progress, record, COMPARING)
         record = looked_at(prepared, record)
         if record.companions is not None:
             record.companions.earlier, record.companions.tries = earlier, tries
     return concluded(record, prepared.reference, {**prepared.inputs, "refined": prepared.refined})
+
+
+def show_phase(progress: Any, record: Record, text: str) -> None:
+    """Show what is computed after the last step of a complete run, where progress has a line."""
+    if isinstance(progress, Job | ProgressLine) and record.status == Status.COMPLETE:
+        progress.phase(text)
 
 
 def concluded(record: Record, reference: Result | None, arguments: Mapping[str, Any] | None = None) -> Result:

@@ -172,7 +172,7 @@ class Stepping:
 
     def to_the_end(self, progress: Callable[[Progress], None] | None) -> Status:
         """Step to the end, call by call; each call is complete before a signal is handled."""
-        choice = self.assembly.choice
+        choice, began = self.assembly.choice, time.monotonic()
         while not self.finished:
             done_before, self.chunk_start[:] = self.runner.done, self.runner.states[:, 0]
             self.call_complete = False
@@ -184,7 +184,9 @@ class Stepping:
             if self.energy_violated:
                 return Status.ENERGY
             if progress is not None:
-                progress(Progress(self.done, choice.steps, self.wall))
+                # With the time to keep outputs: it decides when the run ends.
+                seconds = self.earlier + time.monotonic() - began
+                progress(Progress(self.done, choice.steps, seconds))
             self.halt.look()
         return Status.COMPLETE
 

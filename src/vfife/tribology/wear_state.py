@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..errors import Fault, ModelError, former_names
-from ..files import DataTable
+from ..files import DataTable, share_done
 from ..laws.materials import coefficient
 from ..measures.wear import PLACES, SIDES, areas, rubbing, work_around
 from ..model.mechanism import Mechanism
@@ -140,6 +140,11 @@ class Worn(NotebookDocument, DataTable):
     def complete(self) -> bool:
         """Whether all turns are simulated or a life has ended."""
         return bool(self.life_end) or bool(self.turns[-1] >= self.spec.turns)
+
+    @property
+    def progress(self) -> str:
+        """How much is computed, as in "2,000 of 1,000,000 turns"; empty for a complete simulation."""
+        return "" if self.complete else share_done(float(self.turns[-1]), self.spec.turns, "turns")
 
     def volume(self, joint: str, side: str) -> Array:
         """Return the volume (m^3) that a side of a joint has lost since the start, shape (points,)."""

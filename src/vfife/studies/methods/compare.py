@@ -23,7 +23,7 @@ from ...assembly.assembled import Assembly
 from ...assembly.possible import outlook
 from ...compiler.runtime.native import stream_lanes
 from ...errors import RunFileError, VfifeError, suggestion
-from ...files import DataTable, named_rows
+from ...files import DataTable, named_rows, share_done
 from ...job import cost
 from ...job.job import Job, job_of
 from ...laws import ContactLaw, FrictionLaw, Law
@@ -67,9 +67,14 @@ class Comparison(DataTable):
 
     def __repr__(self) -> str:
         return (
-            f"<Comparison of {len(self.rows)} runs of {self.mechanism!r}; see .rows, .results,"
-            " .to_dataframe()>"
+            f"<Comparison of {self.progress or f'{len(self.rows)} runs'} of {self.mechanism!r}; see .rows,"
+            " .results, .to_dataframe()>"
         )
+
+    @property
+    def progress(self) -> str:
+        """How much is computed, as in "2 of 9 runs"; empty for a complete comparison."""
+        return share_done(len(self.rows), self.planned, "runs")
 
     def flat(self) -> list[dict[str, Any]]:
         """Return the rows by run and joint, for tables."""

@@ -69,6 +69,8 @@ def read_paths(
     for text in texts:
         try:
             parameter = Parameter(model, text)
+            if (misfit := parameter.misfit) is not None:
+                raise misfit
         except Fault as fault:
             reader.add(fault.at(place, value=shown(text)))
             continue
