@@ -144,6 +144,21 @@ def test_a_case_ends_where_its_own_run_does_because_turns_repeat() -> None:
     assert found[0].settled == found[0].turns < found[1].turns < 6
 
 
+@pytest.mark.parametrize("streaming", [True, False])
+def test_means_of_a_case_that_settles_leave_out_its_start(monkeypatch, streaming: bool) -> None:
+    """Four turns: the second differs from the first, and the last three repeat."""
+    if not streaming:
+        monkeypatch.setattr(engine, "streams", lambda *_: False)
+    numbers = {"joint.C.clearance": 5e-5, "joint.C.contact.restitution": 0.1}
+    found = cases([numbers], CaseSpec(SOME[:1], 6, settle=0.02, step=1e-5, last=6))[0]
+    turns = [
+        own(numbers, turn, step=1e-5).measures["C.force.max"].value for turn in range(1, found.turns + 1)
+    ]
+    assert found.settled == found.turns == 4
+    assert found.values["C.force.max"] == pytest.approx(np.mean(turns[1:]), rel=1e-9)
+    assert abs(np.mean(turns) / np.mean(turns[1:]) - 1.0) > 1e-3
+
+
 @pytest.mark.usefixtures("in_lanes")
 def test_the_automatic_step_is_that_of_the_own_run_halved_where_first_contacts_land_too_deep() -> None:
     numbers = [{"joint.C.landing_depth": 1e-8}, {"joint.C.contact.stiffness": 2e10}]

@@ -198,7 +198,25 @@ class Settling:
     @property
     def settled(self) -> bool:
         """Whether turns repeat."""
-        return any(streak >= max(period, LEAST_STREAK) for period, streak in enumerate(self.streaks, 1))
+        return self._period is not None
+
+    @property
+    def _period(self) -> int | None:
+        """Shortest period (turns) with which the turns repeat."""
+        settled = (
+            period for period, streak in enumerate(self.streaks, 1) if streak >= max(period, LEAST_STREAK)
+        )
+        return next(settled, None)
+
+    def turns_of_means(self, last: int) -> int:
+        """Return over how many turns at the end means of the ``last`` turns extend: once turns repeat, only
+        over those that do, in whole periods; a start that still settles is no part of them.
+        """
+        period = self._period
+        if period is None:
+            return last
+        count = min(last, self.streaks[period - 1] + period)
+        return count // period * period or count
 
     def take(self, rows: Array) -> None:
         """Add outputs after that of step 0, at most :attr:`remaining` of them."""

@@ -161,9 +161,10 @@ class Stepped(Lane):
             columns=self.plan.ends,
         )
         self.doubtful = ledger(ends).error > DOUBTFUL * assembly.mechanism.settings.energy_limit
-        first = self.turns - len(self.last)
+        settling, count = self.settling, len(self.last)
+        first = self.turns - (count if settling is None else settling.turns_of_means(count))
         records = []
-        for k, turn_rows in enumerate(self.last, first):
+        for k, turn_rows in enumerate(list(self.last)[first - self.turns :], first):
             at = np.arange(k * self.rows, (k + 1) * self.rows + 1, dtype=np.int64) * self.every
             records.append(Record(assembly, at, turn_rows, self.handed, columns=self.plan.told))
         self.values = self.plan.measures.turn_means(records, self.reference)

@@ -61,12 +61,13 @@ def single(cases: Cases, numbers: Mapping[str, float | str]) -> Outcome:
         return Outcome({}, turns, None, str(record.status), unsound(record), choice.step, steps)
     # A single turn is the last one of the record, as that of a run: it ends with the run, which need not end
     # with a turn counted from the start.
-    has_several = turns > 1 and spec.last > 1
-    parts = list(each_turn(record, max(1, turns - spec.last + 1), turns)) if has_several else [record]
-    values = cases.measures.turn_means(parts, None if result.reference is None else result.reference.measures)
     settling = None if spec.settle is None else Settling(record.assembly, record.row_numbers, spec.settle)
     if settling is not None:
         settling.restore(record.rows)
+    last = spec.last if settling is None else settling.turns_of_means(spec.last)
+    has_several = turns > 1 and last > 1
+    parts = list(each_turn(record, max(1, turns - last + 1), turns)) if has_several else [record]
+    values = cases.measures.turn_means(parts, None if result.reference is None else result.reference.measures)
     settled = turns if settling is not None and settling.settled else None
     return Outcome(values, turns, settled, str(Status.COMPLETE), None, choice.step, steps)
 
