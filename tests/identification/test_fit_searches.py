@@ -237,13 +237,17 @@ def test_one_search_is_not_disputed_and_its_limits_are_shown():
 
 
 def test_columns_that_are_not_compared_are_named(tmp_path):
-    """Those with the name of a channel, where other columns were named; of the others nothing is said."""
+    """Those with the name of a channel, where other columns were named, else those with that of none."""
     path = tmp_path / "a.csv"
     rows = [f"{0.1 * k},{math.sin(k)},{math.cos(k)},{k % 7}" for k in range(30)]
     path.write_text("\n".join(["time (s),x (m),mic,other", *rows]), encoding="utf-8")
     units = {"x": "m", "y": "m"}
     assert measured(path, units, columns_of({"mic": "y"})).omitted == ("x",)
     assert measured(path, units).omitted == () == measured(path, units, columns_of(["x", "mic=y"])).omitted
+    assert measured(path, units, columns_of(["x"])).unknown == ()
+    (mic, other), near = measured(path, units).unknown, {"mic.x": "m", "x": "m"}
+    assert (mic, other) == ("mic", "other")
+    assert measured(path, near).unknown[0] == 'mic (did you mean "mic.x"?)'
 
 
 def test_the_time_left_is_within_the_forecast_until_the_pace_is_known():

@@ -56,6 +56,7 @@ class Measured:
     """Measured ``curves`` over ascending times (s) or crank angles (rad) ``places``, shape (samples,).
 
     ``omitted``: names of columns that are named like a channel and not compared, because others were named.
+    ``unknown``: columns that have the name of no channel, where none was named, each with what it may mean.
     """
 
     over: Abscissa
@@ -63,6 +64,7 @@ class Measured:
     curves: tuple[Curve, ...]
     name: str = "data"
     omitted: tuple[str, ...] = ()
+    unknown: tuple[str, ...] = ()
 
     def subsample(self, count: int) -> Measured:
         """Return the curves with one sample out of ``count``."""
@@ -154,7 +156,14 @@ def measured(
         for k, spec in chosen.items()
     )
     omitted = tuple(name for k, (name, _) in enumerate(columns) if name in units and k not in chosen)
-    return Measured(quantity, factors[place] * values[place], curves, path.name, omitted)
+    others = [name for k, (name, _) in enumerate(columns) if k != place and name and name not in units]
+    similar = [suggestion(name, units, "") for name in others]
+    unknown = tuple(
+        f"{name} ({advice})" if advice.startswith("did") else name
+        for name, advice in zip(others, similar, strict=True)
+    )
+    places = factors[place] * values[place]
+    return Measured(quantity, places, curves, path.name, omitted, unknown if specs is None else ())
 
 
 def abscissa(columns: Sequence[tuple[str, str]], heads: Sequence[str], faults: list[Fault]) -> int | None:

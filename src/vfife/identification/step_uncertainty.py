@@ -296,12 +296,18 @@ def notes_of(
 
 
 def omitted_words(records: Sequence[FitRecord]) -> Iterator[str]:
-    """Yield a note on columns with the name of a channel that are not compared."""
+    """Yield notes on columns that are not compared: with the name of a channel, and with that of none."""
     names = list(dict.fromkeys(name for record in records for name in record.misfit.measured.omitted))
     if names:
         yield (
             f"not compared: {', '.join(names)}, because other columns were named; name them too to compare"
             " them"
+        )
+    unknown = list(dict.fromkeys(text for record in records for text in record.misfit.measured.unknown))
+    if unknown:
+        yield (
+            f"not compared, because the model has no channel of this name: {', '.join(unknown)}; assign one"
+            " with -c COLUMN=CHANNEL (in Python columns)"
         )
 
 
