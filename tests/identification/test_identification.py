@@ -18,7 +18,7 @@ from vfife.cli.app import app
 from vfife.errors import ModelError, VfifeError
 from vfife.identification.lawfit import fit_law
 from vfife.identification.parameters import FitParameter
-from vfife.identification.step_uncertainty import autocorrelation, confidence_of
+from vfife.identification.step_uncertainty import CONCENTRATED, autocorrelation, concentration, confidence_of
 from vfife.modelfile import dump
 from vfife.results.fit import FitFile
 
@@ -186,6 +186,26 @@ def test_what_the_model_misses_is_told_where_it_is_much(tmp_path, noise, told):
         any(f"the model misses the data by {100.0 * found.share:.3g} %" in note for note in found.notes)
         is told
     )
+
+
+def test_residuals_that_are_large_in_few_places_leave_confidence_unknown(tmp_path):
+    """A swing with noise, which is known, and with three blows that the model does not have."""
+    t = np.linspace(0.0, 1.0, 300)
+    blows = sum(2.0 * np.exp(-(((t - at) / 0.01) ** 2)) for at in (0.2, 0.5, 0.8)) * np.ptp(swing(t)) / 4.0
+    for added, known in ((0.0, True), (blows, False)):
+        path = written(tmp_path / f"swing-{known}.csv", t, swing(t) + added, noise=0.02)
+        found = vfife.fit(
+            oscillator(stiffness=STIFFNESS), path, {"spring.k.damping": (1, 9)}, offset=0.0, **QUICK
+        )
+        assert found["spring.k.damping"].known is known
+        assert any("more than noise" in note for note in found.notes) is not known
+
+
+def test_noise_has_a_concentration_of_one():
+    rng = np.random.default_rng(5)
+    ratios = [concentration(rng.standard_normal(150)) for _ in range(2000)]
+    assert np.mean(ratios) == pytest.approx(1.0, abs=0.02) and max(ratios) < CONCENTRATED
+    assert concentration(np.where(np.arange(400) % 20, 1.0, 30.0) * rng.standard_normal(400)) > CONCENTRATED
 
 
 def test_a_microphone_is_only_proportional(tmp_path):
