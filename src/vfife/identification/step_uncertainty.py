@@ -310,7 +310,8 @@ def systematic_words(share: float, residuals: Sequence[Array]) -> Iterator[str]:
     yield (
         f"the residual, {100.0 * share:.2g} % of the data's deviation, is more than noise: its root mean"
         f" square is {times:.2g} times what most samples leave. The searches ended in another minimum, or the"
-        " model differs from the rig, so confidence is not known; search within narrower bounds or from more starts"
+        " model differs from the rig, so confidence is not known; search within narrower bounds or from"
+        " more starts"
     )
 
 
