@@ -66,6 +66,9 @@ def test_a_list_goes_row_by_row(tmp_path: Path) -> None:
     assert "[vary.driver.crank.speed] values[0]" in faults_of(text, tmp_path)[0]
     plan = plan_of(text.replace('"10 Hz"', '"600 rpm"'), tmp_path)
     assert plan.cases == ((1e-4, 600.0 * 2.0 * math.pi / 60.0), (2e-4, 30.0))
+    twice = text.replace('"10 Hz", 30]', "30, 30]")
+    assert plan_of(twice, tmp_path).cases == ((1e-4, 30.0), (2e-4, 30.0))
+    assert "the same case twice" in faults_of(twice.replace("2e-4", "1e-4"), tmp_path)[0]
 
 
 def test_a_table_whose_key_is_a_path_needs_none(tmp_path: Path) -> None:

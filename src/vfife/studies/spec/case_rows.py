@@ -112,7 +112,13 @@ def paired_rows(plan: Plan, reader: Reader) -> list[Row] | None:
         message = "lists that go together are of different lengths"
         reader.refuse(("vary", ""), message, sizes, "one length", 'complete them, or set method = "grid"')
         return None
-    return list(zip(*lists, strict=True))
+    rows = list(zip(*lists, strict=True))
+    repeated = next((k for k, row in enumerate(rows) if row in rows[:k]), None)
+    if repeated is not None:
+        numbers = ", ".join(map(shown, rows[repeated]))
+        reader.refuse(("vary", ""), "the same case twice", numbers, "each case once", "remove one of them")
+        return None
+    return rows
 
 
 def sample_rows(

@@ -39,9 +39,11 @@ RUN_KEYS = {  # numbers of the run that a study sets itself, and what to do inst
 
 
 def read_parameters(
-    tables: Mapping[str, VaryTable], model: Mechanism | None, reader: Reader
+    tables: Mapping[str, VaryTable], model: Mechanism | None, reader: Reader, paired: bool = False
 ) -> list[StudyParameter]:
-    """Read the parameters, none without a model; those with faults are left out."""
+    """Read the parameters, none without a model; those with faults are left out. ``paired``: the values of
+    one go with those of the others.
+    """
     parameters, owners = [], dict[str, str]()
     for name, table in tables.items():
         if model is None or table.path is None:
@@ -54,7 +56,9 @@ def read_parameters(
                     ("vary", name, "path"), message, "", "one name for each number", "remove one of them"
                 )
             owners[path] = name
-        if field is not None and (parameter := read_parameter(name, table, field, paths, reader)) is not None:
+        if field is None:
+            continue
+        if (parameter := read_parameter(name, table, field, paths, reader, paired)) is not None:
             parameters.append(parameter)
     return parameters
 
@@ -101,9 +105,11 @@ def unit_of(field: Value) -> str:
 
 
 def read_parameter(
-    name: str, table: VaryTable, field: Value, paths: tuple[str, ...], reader: Reader
+    name: str, table: VaryTable, field: Value, paths: tuple[str, ...], reader: Reader, paired: bool = False
 ) -> StudyParameter | None:
-    """Read a parameter; None where something of it was refused."""
+    """Read a parameter; None where something of it was refused. ``paired``: its values go with those of
+    others.
+    """
     place, fault_count, unit = ("vary", name), len(reader.faults), unit_of(field)
     kind = kind_of_table(table, place, reader)
     numbers: dict[str, Any] = {
@@ -114,7 +120,7 @@ def read_parameter(
     if isinstance(numbers.get("deviation"), float) and numbers["deviation"] <= 0.0:
         limit = "a deviation above 0"
         reader.refuse((*place, "deviation"), "zero or negative", shown(table.deviation), limit, "correct it")
-    values = None if table.values is None else read_values(table.values, field, place, reader)
+    values = None if table.values is None else read_values(table.values, field, place, reader, paired)
     if kind is None or len(reader.faults) > fault_count:
         return None
     if isinstance(field, Choice) and values is None:
@@ -173,11 +179,15 @@ def read_value(value: Any, field: Value, place: Path, reader: Reader) -> Number 
     return read if read is None or isinstance(read, str) else float(read)
 
 
-def read_values(values: tuple[Any, ...], field: Value, place: Path, reader: Reader) -> tuple[Number, ...]:
-    """Read values that are listed one by one, each of which may come once."""
+def read_values(
+    values: tuple[Any, ...], field: Value, place: Path, reader: Reader, paired: bool
+) -> tuple[Number, ...]:
+    """Read values that are listed one by one. Each may come once unless they are ``paired`` with those of
+    other parameters.
+    """
     read = [read_value(value, field, (*place, "values", k), reader) for k, value in enumerate(values)]
     repeated = next((k for k, value in enumerate(read) if value is not None and value in read[:k]), None)
-    if repeated is not None:
+    if repeated is not None and not paired:
         message = "the same value twice"
         reader.refuse(
             (*place, "values", repeated), message, shown(values[repeated]), "each value once", "remove it"

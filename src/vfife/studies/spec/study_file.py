@@ -89,7 +89,7 @@ class StudyTables:
         varied = vary_tables(self.raw, reader)
         faults = list[Fault]()
         model = base_model(spec, self.folder, base, faults)
-        parameters = read_parameters(varied, model, reader)
+        parameters = read_parameters(varied, model, reader, spec.method == "list")
         if model is not None:
             check_measures(model, spec.measures, reader)
             check_turns(model, spec, reader)
