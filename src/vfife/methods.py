@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .results.fit import Fit
     from .results.study import Study
     from .simulation.result import Result
+    from .studies.methods.compare import Comparison
 
 
 def to_toml(self: Mechanism) -> str:
@@ -120,6 +121,15 @@ def plot_study(self: Study, *names: str, measures: Sequence[str] = ()) -> dict[s
     return figures(self, names, measures)
 
 
+def plot_comparison(self: Comparison) -> dict[str, Figure]:
+    """Return the figures ``forces``, of the joint forces over a turn, and ``bars``, of the largest values of
+    each law; none where no run is complete.
+    """
+    from .plots.sensitivity import comparison_figures
+
+    return comparison_figures(self)
+
+
 def plot_fit(self: Fit) -> Figure:
     """Return a figure of measured and simulated curves, residuals, and the correlation of the parameters."""
     from .plots.sensitivity import fit_figure
@@ -169,7 +179,7 @@ METHODS: dict[str, dict[str, Callable[..., Any]]] = {  # by class, which may not
     "simulation.result.Result": {"live": live_result, "report": report},
     "results.study.Study": {"plot": plot_study, "_repr_html_": notebook, "__str__": text},
     "results.fit.Fit": {"plot": plot_fit, "_repr_html_": notebook, "__str__": text},
-    "studies.methods.compare.Comparison": {"_repr_html_": notebook, "__str__": text},
+    "studies.methods.compare.Comparison": {"plot": plot_comparison, "_repr_html_": notebook, "__str__": text},
     "results.derivatives.Sensitivity": {"plot": plot_sensitivity, "_repr_html_": notebook, "__str__": text},
 }
 

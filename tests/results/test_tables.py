@@ -66,3 +66,11 @@ def test_a_mechanism_fits_into_a_line() -> None:
         repr(four_bar_case_b())
         == "<Mechanism 'four-bar, case b': 3 bodies, 4 joints, 1 driver; see .check(), .plot(), .live()>"
     )
+
+
+def test_a_comparison_is_drawn() -> None:
+    """The figures that the command writes, with a line and a bar for each law."""
+    figures = answers()["comparison"].plot()
+    assert figures.keys() == {"forces", "bars"}
+    assert all(len(axes.lines) > 0 for axes in figures["forces"].axes if axes.get_visible())
+    assert [text.get_text() for text in figures["bars"].axes[0].get_yticklabels()] == ["hertz"]

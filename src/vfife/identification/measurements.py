@@ -156,14 +156,19 @@ def measured(
         for k, spec in chosen.items()
     )
     omitted = tuple(name for k, (name, _) in enumerate(columns) if name in units and k not in chosen)
-    others = [name for k, (name, _) in enumerate(columns) if k != place and name and name not in units]
-    similar = [suggestion(name, units, "") for name in others]
-    unknown = tuple(
-        f"{name} ({advice})" if advice.startswith("did") else name
-        for name, advice in zip(others, similar, strict=True)
-    )
-    places = factors[place] * values[place]
-    return Measured(quantity, places, curves, path.name, omitted, unknown if specs is None else ())
+    unknown = unknown_columns(columns, place, units) if specs is None else ()
+    return Measured(quantity, factors[place] * values[place], curves, path.name, omitted, unknown)
+
+
+def unknown_columns(
+    columns: Sequence[tuple[str, str]], place: int, units: Mapping[str, str]
+) -> tuple[str, ...]:
+    """Return the columns that have the name of no channel, each with channels that it may mean; that at
+    ``place`` is the time or angle.
+    """
+    names = [name for k, (name, _) in enumerate(columns) if k != place and name and name not in units]
+    advice = {name: suggestion(name, units, "") for name in names}
+    return tuple(f"{name} ({text})" if text.startswith("did") else name for name, text in advice.items())
 
 
 def abscissa(columns: Sequence[tuple[str, str]], heads: Sequence[str], faults: list[Fault]) -> int | None:

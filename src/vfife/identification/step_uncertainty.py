@@ -252,8 +252,7 @@ def concluded(
         margin = likelihood_margin(confidence, sum(map(len, parts)) - unknowns, level)
         _, near_limits = widened(confidence, sensitivity, shared, shared_shares, points, 0.0)
         errors, limits = widened(confidence, sensitivity, shared, shared_shares, points, margin)
-    systematic = is_systematic(evaluations.share, parts)
-    trusted = (sensitivity is None or sensitivity.trusted) and not systematic
+    trusted = not is_systematic(evaluations.share, parts) and getattr(sensitivity, "trusted", True)
     joint_confidence = confidence if len(common) == len(parameters) else confidence_of(
         parts, parameters, shares, None if slopes is None else slopes.jacobian, unknowns, level, inflation
     )  # fmt: skip
@@ -282,8 +281,7 @@ def concluded(
         curves, sorted(search.ends), evaluations.runs, len(evaluations.reasons),
         source, confidence.autocorrelation,
         level, time.monotonic() - evaluations.began, misfit.comparison,
-        [*systematic_words(evaluations.share, parts)] * systematic
-        + notes_of(evaluations, outcome, search, minima, sensitivity),
+        notes_of(evaluations, outcome, search, minima, sensitivity),
         record_results if len(record_results) > 1 or first.values else [],
     )  # fmt: skip
 
@@ -305,7 +303,9 @@ def concentration(residuals: Array) -> float:
 
 
 def systematic_words(share: float, residuals: Sequence[Array]) -> Iterator[str]:
-    """Yield the caution on residuals that are more than noise."""
+    """Yield a caution on residuals that are more than noise."""
+    if not is_systematic(share, residuals):
+        return
     times = max(map(concentration, residuals))
     yield (
         f"the residual, {100.0 * share:.2g} % of the data's deviation, is more than noise: its root mean"
@@ -321,6 +321,7 @@ def notes_of(
 ) -> list[str]:  # fmt: skip
     """Return notes and cautions on a fit, the gravest first."""
     return [
+        *systematic_words(evaluations.share, curves_of(evaluations.records, outcome)),
         *search.notes,
         *dispute_words(evaluations.parameters, minima, search, outcome.cost),
         *cautions(evaluations, outcome.unsettled, sensitivity),

@@ -95,13 +95,16 @@ def bars(comparison: Comparison) -> Figure:
     return figure
 
 
+def comparison_figures(comparison: Comparison) -> dict[str, Figure]:
+    """Return the figures ``forces``, of the joint forces over a turn, and ``bars``, of the largest values;
+    none where no run is complete.
+    """
+    return {"forces": forces(comparison), "bars": bars(comparison)} if comparison.rows else {}
+
+
 def save_comparison(comparison: Comparison, folder: Path) -> list[Path]:
-    """Write both figures into a folder; nothing where no run is complete."""
-    return [
-        saved(draw(comparison), folder / f"{name}.png")
-        for name, draw in (("forces", forces), ("bars", bars))
-        if comparison.rows
-    ]
+    """Write the figures into a folder."""
+    return [saved(figure, folder / f"{name}.png") for name, figure in comparison_figures(comparison).items()]
 
 
 CURVES = 4  # in one figure, at the most

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +44,9 @@ from ...solvers.transient import choose_loop
 from ...store.schemas import is_run_file
 from .comparison_rows import row_of
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 
 @dataclass
 class Comparison(DataTable):
@@ -68,13 +71,18 @@ class Comparison(DataTable):
     def __repr__(self) -> str:
         return (
             f"<Comparison of {self.progress or f'{len(self.rows)} runs'} of {self.mechanism!r}; see .rows,"
-            " .results, .to_dataframe()>"
+            " .results, .to_dataframe(), .plot()>"
         )
 
     @property
     def progress(self) -> str:
         """How much is computed, as in "2 of 9 runs"; empty for a complete comparison."""
         return share_done(len(self.rows), self.planned, "runs")
+
+    if TYPE_CHECKING:  # attached by vfife.methods
+
+        def plot(self) -> dict[str, Figure]:
+            """See :func:`vfife.methods.plot_comparison`."""
 
     def flat(self) -> list[dict[str, Any]]:
         """Return the rows by run and joint, for tables."""
