@@ -26,6 +26,9 @@ Array = NDArray[np.float64]
 Window = NDArray[np.bool_]  # shape (outputs,)
 # Share of the largest resultant that the largest at the outputs must reach to be the same contact.
 MET = 0.9
+# Digits of an estimated share. Full friction has one share at any force, but for the rounding of both forces:
+# rounded, a run has that of a companion with the same step.
+DIGITS = 9
 FORCES = ("contact_normal_force", "contact_friction_force")
 COEFFICIENTS = ("coefficient", "static_coefficient")
 UNKNOWN = 1.0  # largest coefficient of friction of a law that names none
@@ -52,7 +55,7 @@ def normal_shares(record: Record, window: Window | slice) -> Array:
         return run.normal_shares
     shares = met_shares(record, window)
     for k in np.flatnonzero(np.isnan(shares)):
-        shares[k] = _estimated_share(record, window, int(k))
+        shares[k] = round(_estimated_share(record, window, int(k)), DIGITS)
     return shares
 
 
