@@ -10,7 +10,7 @@ import pytest
 import vfife
 from vfife.laws.friction import none, stribeck
 from vfife.measures.contacts import pairs
-from vfife.measures.normal_forces import largest_coefficient, normal_shares
+from vfife.measures.normal_forces import largest_coefficient, met_shares, normal_shares, share_bounds
 from vfife.measures.turns import last_turn
 from vfife.modelfile import loads as model_of
 
@@ -79,14 +79,55 @@ def test_the_line_pressure_of_a_sliding_journal_is_that_of_its_normal_force(fric
     assert force == pytest.approx(LOAD * math.sqrt(1.0 + friction * friction), rel=2e-4)
 
 
-def test_the_range_covers_the_friction_of_an_impact_that_no_output_meets() -> None:
-    """Outputs 2 ms apart miss the impact, of which 0.17 ms apart meet it, and the friction in it."""
-    coarse, fine = simulated(0.5, turns=0.1, outputs=60), simulated(0.5, turns=0.1, outputs=720)
-    shares = [normal_shares(result.record, last_turn(result.record)) for result in (coarse, fine)]
-    assert np.isnan(shares[0]).all() and shares[1] == pytest.approx(1.0 / math.sqrt(1.25), rel=1e-6)
-    truth, pressure = (result.measures["nip.contact_pressure.max"] for result in (fine, coarse))
-    assert pressure.low <= truth <= pressure.high
-    assert truth < 0.96 * pressure < 1.1 * truth
+def hertz(result: vfife.Result, friction: float) -> tuple[float, float]:
+    """Pressure (Pa) and half-width (m) of the normal force in the largest force of the sliding journal."""
+    (pair,) = pairs(result.record)
+    per_length = result.measures["nip.force.max"].value / math.hypot(1.0, friction) / pair.axial_length
+    modulus, radius = pair.composite_modulus, pair.relative_radius
+    return (
+        math.sqrt(per_length * modulus / (math.pi * radius)),
+        math.sqrt(4.0 * per_length * radius / (math.pi * modulus)),
+    )
+
+
+@pytest.mark.parametrize("outputs", [40, 60, 90, 127, 180, 720])
+@pytest.mark.parametrize("friction", [0.3, 0.5])
+def test_pressure_is_of_the_normal_force_whether_an_output_meets_the_impact_or_not(
+    outputs: int, friction: float
+) -> None:
+    """The journal slides at 0.5 m/s, so that friction is full at any moment of the contact."""
+    result = simulated(friction, turns=0.1, outputs=outputs)
+    pressure, width = (
+        result.measures[f"nip.{kind}.max"] for kind in ("contact_pressure", "contact_half_width")
+    )
+    exact = hertz(result, friction)
+    assert (pressure.value, width.value) == pytest.approx(exact, rel=1e-6)
+    assert pressure.low <= exact[0] <= pressure.high and width.low <= exact[1] <= width.high
+
+
+@pytest.mark.parametrize("outputs", [60, 720])
+def test_a_run_that_outputs_miss_knows_its_friction_from_the_law_or_the_next_output(outputs: int) -> None:
+    """Outputs 2 ms apart miss the impact, of which 0.17 ms apart meet it; no friction is possible, too."""
+    result = simulated(0.5, turns=0.1, outputs=outputs)
+    window, share = last_turn(result.record), 1.0 / math.sqrt(1.25)
+    assert normal_shares(result.record, window) == pytest.approx([share], rel=1e-6)
+    pressure = result.measures["nip.contact_pressure.max"]
+    if outputs == 60:
+        assert np.isnan(met_shares(result.record, window)).all()
+        assert pressure.high == pytest.approx(pressure / math.sqrt(share), rel=1e-6)
+    else:
+        assert met_shares(result.record, window) == pytest.approx([share], rel=1e-6)
+        assert pressure.high < pressure / math.sqrt(share)
+
+
+def test_bounds_reach_from_full_friction_to_none() -> None:
+    """An estimate of the share lies between both."""
+    record = simulated(0.5, turns=0.1, outputs=60).record
+    assert share_bounds(record, last_turn(record)) == {
+        "nip": (pytest.approx(1.0, rel=1e-6), pytest.approx(math.sqrt(1.25), rel=1e-6))
+    }
+    record = simulated(0.5, turns=0.1, outputs=720).record
+    assert share_bounds(record, last_turn(record)) == {}
 
 
 def test_the_largest_coefficient_is_the_static_one() -> None:

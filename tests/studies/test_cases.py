@@ -19,6 +19,7 @@ from vfife.errors import VfifeError
 from vfife.kinematics import initial
 from vfife.kinematics.solve import close_all
 from vfife.measures.catalogue import PEAKS, over_turn
+from vfife.measures.repetition import turns
 from vfife.measures.turns import last_turn
 from vfife.model.mechanism import Mechanism
 from vfife.modelfile import loads
@@ -420,3 +421,78 @@ def test_a_case_is_refused_for_the_number_of_a_body_that_a_load_depends_on() -> 
         cases.mechanism(number)
     assert of_case.type is of_text.type
     assert cases.mechanism({"body.bob.inertia": 2e-4}).bodies["bob"].inertia == 2e-4
+
+
+TIGHT_YOKE = """
+name = "yoke whose block has little play in its slot"
+gravity = [0, "-9.81 m/s^2"]
+[ground]
+O = [0, 0]
+G = [0, 0]
+[body.crank]
+length = "40 mm"
+mass = "0.4 kg"
+[body.block]
+model = "particle"
+mass = "0.1 kg"
+inertia = "2e-5 kg m^2"
+position = ["40 mm", 0]
+[body.yoke]
+mass = "1.5 kg"
+inertia = "0.006 kg m^2"
+position = ["40 mm", 0]
+[body.yoke.pins]
+slot = [0, 0]
+rod = ["120 mm", 0]
+[joint.O]
+bearing = "ground.O"
+journal = "crank.start"
+[joint.pin]
+kind = "clearance"
+bearing = "block.center"
+journal = "crank.end"
+clearance = "0.05 mm"
+bearing_radius = "8 mm"
+axial_length = "15 mm"
+contact = { law = "lankarani-nikravesh", restitution = 0.6 }
+friction = { law = "ambrosio", coefficient = 0.05, v0 = "1 mm/s", v1 = "10 mm/s" }
+[joint.slot]
+kind = "clearance-slider"
+bearing = "yoke.slot"
+journal = "block.center"
+direction = [0, 1]
+clearance = "0.04 mm"
+length = "30 mm"
+height = "24 mm"
+axial_length = "15 mm"
+contact = { law = "lankarani-nikravesh", restitution = 0.6 }
+friction = { law = "ambrosio", coefficient = 0.05, v0 = "1 mm/s", v1 = "10 mm/s" }
+[joint.guide]
+kind = "slider"
+bearing = "ground.G"
+journal = "yoke.rod"
+[driver.crank]
+speed = "900 rpm"
+"""
+
+
+@pytest.mark.parametrize("clearance", [5e-6, 1e-5, 1.5e-5])
+def test_a_tight_guide_has_the_bits_of_its_run_over_the_same_turns(clearance: float) -> None:
+    """The motion is one, to the bit. Where the turns of a run repeat, its measures are means over them,
+    and those of a case over its ``last`` turns.
+    """
+    names = ("pin.force.max", "slot.force.max", "pin.penetration.max")
+    numbers: list[dict[str, float | str]] = [{"joint.slot.clearance": size} for size in (4e-5, clearance)]
+    base = loads(TIGHT_YOKE)
+
+    def case(last: int) -> Any:
+        return dict(run_cases(base, numbers, CaseSpec(names, 5, last=last)))[1]
+
+    outcome = case(1)
+    run = simulate(loads(TIGHT_YOKE, set=list(numbers[1].items())), turns=5, step=outcome.step, companions=0)
+    assert outcome.values == {name: over_turn(run.record, last_turn(run.record))[name] for name in names}
+    counted = turns(run.record)
+    assert counted is not None and counted.has_several
+    means = case(counted.last - counted.first + 1).values
+    assert means == {name: float(run.measures[name]) for name in names}
+    assert means != outcome.values

@@ -18,14 +18,15 @@ from ..laws import Pair
 from ..model.surfaces import surfaces
 from ..numerics.elementwise import atan2, sincos
 from ..solvers.record import Record
-from .forces import normals, places
-from .motion import crank_rotation, times, velocities, within_turn
-from .normal_forces import largest_normal_forces
+from .forces import places, slip
+from .motion import crank_rotation, times, within_turn
+from .normal_forces import largest_normal_forces, share_bounds
 from .stops import output_interval, stop_contacts, stop_sentence
 from .turns import Window, named, of_turn, of_window
 
 Array = NDArray[np.float64]
 SIDES = ("bearing", "journal")
+HERTZIAN = "contact_pressure.max", "contact_half_width.max"
 LOSS_BLOCKS = {"friction": "contact_friction", "impact": "contact_damping"}  # of lost work and power
 
 
@@ -95,11 +96,8 @@ def sliding_speed(record: Record, reaches: tuple[Array, Array] | None = None) ->
     """
     if not record.assembly.contacts:
         return np.zeros((len(record.steps), 0))
-    n = normals(record)
-    t = np.stack([-n[..., 1], n[..., 0]], axis=2)
-    total = relative_velocity(record, places(record) if reaches is None else reaches)
     touches = _film(record) | (record.block("contact_penetration") > 0.0)
-    return np.where(touches, (total * t).sum(axis=2), 0.0)
+    return np.where(touches, slip(record, reaches), 0.0)
 
 
 def _film(record: Record) -> NDArray[np.bool_]:
@@ -107,23 +105,6 @@ def _film(record: Record) -> NDArray[np.bool_]:
     contacts = record.assembly.mechanism.contacts
     names = record.assembly.contact_joints
     return np.array([contacts[name].contact.film for name in names], dtype=bool)
-
-
-def relative_velocity(record: Record, arms: tuple[Array, Array] | None = None) -> Array:
-    """Return the velocity (m/s) of the journal's material minus that of the bearing's, global axes, shape
-    (outputs, contacts, 2), at their pins, or at ``arms`` from them (m, global axes, of that shape each).
-    """
-    topology, moving = record.assembly.topology, velocities(record)
-    total = np.zeros((len(record.steps), len(record.assembly.contacts), 2))
-    # Of a body: velocity of its particle plus rotation times the arm from its centre to the place.
-    for sign, side, arm in zip((-1.0, 1.0), SIDES, (0.0 * total,) * 2 if arms is None else arms, strict=True):
-        body = list(getattr(topology, f"contact_{side}"))
-        angle = record.block("particle_theta")[:, body]
-        x, y = (record.parameter(f"contact_{side}_{axis}") for axis in "xy")
-        s, c = sincos(angle)
-        rx, ry, w = c * x - s * y + arm[..., 0], s * x + c * y + arm[..., 1], moving["w"][:, body]
-        total += sign * np.stack([moving["u"][:, body] - w * ry, moving["v"][:, body] + w * rx], axis=2)
-    return total
 
 
 def contact_time(record: Record) -> Array:
@@ -227,7 +208,7 @@ def largest_pressures(record: Record, window: Window) -> dict[str, float]:
     extremes = np.array(
         [line_pressure(pair, load) for pair, load in zip(pairs(record), force, strict=True)]
     ).reshape(-1, 2)
-    values = named(names, {"contact_pressure.max": extremes[:, 0], "contact_half_width.max": extremes[:, 1]})
+    values = named(names, dict(zip(HERTZIAN, extremes.T, strict=True)))
     if not names or not record.keeps("particle_u"):
         return values
     part, inside = of_window(record, window)
@@ -243,6 +224,21 @@ def largest_pressures(record: Record, window: Window) -> dict[str, float]:
         ]
         quantities["pressure_velocity.mean"] = np.array(means)
     return values | named(names, quantities)
+
+
+def pressure_bounds(record: Record, window: Window | slice) -> dict[str, tuple[float, float]]:
+    """Return the bounds of the largest pressures and half-widths, by measure, as multiples of their values,
+    where the friction in the largest forces is estimated; none where outputs meet those.
+    """
+    names, result = record.assembly.contacts, dict[str, tuple[float, float]]()
+    bounds = share_bounds(record, window) if names else {}
+    forces = largest_normal_forces(record, window) if bounds else ()
+    for name, pair, force in zip(names, pairs(record), forces, strict=False):
+        if name in bounds:
+            loads = force * np.array([bounds[name][0], 1.0, bounds[name][1]])
+            for kind, (low, value, high) in zip(HERTZIAN, line_pressure(pair, loads), strict=True):
+                result[f"{name}.{kind}"] = float(low / value), float(high / value)
+    return result
 
 
 def contact_angle(record: Record, side: str = "bearing", reaches: tuple[Array, Array] | None = None) -> Array:

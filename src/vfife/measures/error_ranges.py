@@ -20,9 +20,9 @@ from ..solvers.record import Record
 from ..solvers.repeating import turn_grid
 from ..solvers.scales import NEGLIGIBLE, Scales, scales
 from .catalogue import INFLUENCE, PEAKS, Groups, compared, lip, measures, over_run, over_turn, unit_of
+from .contacts import pressure_bounds
 from .event_ranges import event_errors, friction_losses, widened
 from .extrapolation import SCATTER, SCATTER_OF_TRIES, VANISHING, error_of_mean, widen
-from .normal_forces import lowest_shares
 from .output_intervals import cut_errors
 from .repetition import Turns, part_of, turns
 from .samples import Samples
@@ -84,7 +84,7 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, groups:
     limits = {} if record.static else zero_limits(record, extremes)
     has_several_steps = len(set(step_ratios(record))) > 1
     events = event_errors(record, by_name) if has_several_steps else {}
-    normal_parts = {} if record.static else least_pressure_shares(record)
+    normal_parts = {} if record.static else pressure_bounds(*of_window(record, last_turn(record)))
     friction = friction_losses(record)
     tries, cuts = sensitive_tries(record), cut_errors(record, evaluated_turns(record), groups)
     ranges = Measures()
@@ -105,8 +105,9 @@ def ranged(record: Record, reference: Mapping[str, float] | None = None, groups:
             low, high = widened(name, sample, (low, high), events[name])
         if cuts.get(name):  # of a turn that begins or ends between two outputs
             low, high = widen(name, low, high, cuts[name])
-        if name in normal_parts:  # of the largest force a part is friction where no output meets it
-            low = min(low, normal_parts[name] * sample.value)
+        if name in normal_parts:  # the friction in the largest force is estimated where no output meets it
+            lower, upper = normal_parts[name]
+            low, high = min(low, lower * sample.value), max(high, upper * sample.value)
         estimated = _estimated(record, name, sample)
         if estimated and name in limits and not name.startswith(GROUND):
             low, high = (0.0 if name.endswith(".max") else -limits[name]), limits[name]
@@ -142,21 +143,6 @@ def widen_influences(ranges: Measures, ideal: Mapping[str, float]) -> None:
             measure.high = max(measure.high, lip(peak.high, ideal[largest_name]))
         else:
             measure.low = measure.high = measure.value
-
-
-def least_pressure_shares(record: Record) -> dict[str, float]:
-    """Return the least share (1) of pressures and half-widths, by measure, that normal forces without the
-    friction in the largest forces leave; none where outputs meet those.
-    """
-    if not record.assembly.contacts:
-        return {}
-    part, inside = of_window(record, last_turn(record))
-    return {
-        f"{contact}.{kind}": share
-        for contact, share in lowest_shares(part, inside).items()
-        for kind in ("contact_pressure.max", "contact_half_width.max")
-        if share < 1.0
-    }
 
 
 def contradiction(record: Record) -> Mapping[str, tuple[float, float]]:

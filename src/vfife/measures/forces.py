@@ -13,11 +13,12 @@ from ..model.geometry.path import Path
 from ..model.wear import depth_at
 from ..numerics.elementwise import atan2, hypot, sincos
 from ..solvers.record import Record
-from .motion import pin_places
+from .motion import pin_places, velocities
 from .turns import Window, of_window
 
 Array = NDArray[np.float64]
 FREE_FLIGHT, IMPACT, CONTINUOUS_CONTACT = 0, 1, 2
+SIDES = ("bearing", "journal")
 KINDS = ("bearing", "round", "line", "slot")  # of contacts, in the order of their numbers
 MODES = ("free_flight", "impact", "continuous_contact")  # their names, in this order
 
@@ -387,3 +388,32 @@ def largest_shaking(record: Record, window: Window) -> dict[str, float]:
     load = ground_load(part)[inside]
     force, moment = hypot(load[:, 0], load[:, 1]), np.abs(load[:, 2])
     return {"ground.shaking_force.max": float(force.max()), "ground.shaking_moment.max": float(moment.max())}
+
+
+def relative_velocity(record: Record, arms: tuple[Array, Array] | None = None) -> Array:
+    """Return the velocity (m/s) of the journal's material minus that of the bearing's, global axes, shape
+    (outputs, contacts, 2), at their pins, or at ``arms`` from them (m, global axes, of that shape each).
+    """
+    topology, moving = record.assembly.topology, velocities(record)
+    total = np.zeros((len(record.steps), len(record.assembly.contacts), 2))
+    # Of a body: velocity of its particle plus rotation times the arm from its centre to the place.
+    for sign, side, arm in zip((-1.0, 1.0), SIDES, (0.0 * total,) * 2 if arms is None else arms, strict=True):
+        body = list(getattr(topology, f"contact_{side}"))
+        angle = record.block("particle_theta")[:, body]
+        x, y = (record.parameter(f"contact_{side}_{axis}") for axis in "xy")
+        s, c = sincos(angle)
+        rx, ry, w = c * x - s * y + arm[..., 0], s * x + c * y + arm[..., 1], moving["w"][:, body]
+        total += sign * np.stack([moving["u"][:, body] - w * ry, moving["v"][:, body] + w * rx], axis=2)
+    return total
+
+
+def slip(record: Record, reaches: tuple[Array, Array] | None = None) -> Array:
+    """Return the velocity (m/s) of the journal's surface relative to the bearing's along t = n turned
+    anticlockwise, at the place of contact or, apart, the nearest to it, shape (outputs, contacts).
+
+    ``reaches`` are the :func:`places`, if they are known.
+    """
+    n = normals(record)
+    t = np.stack([-n[..., 1], n[..., 0]], axis=2)
+    total = relative_velocity(record, places(record) if reaches is None else reaches)
+    return np.asarray((total * t).sum(axis=2), dtype=float)

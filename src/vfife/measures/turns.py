@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from ..solvers.record import Record, rows_between
 from ..solvers.repeating import turn_grid
-from .normal_forces import normal_shares
 from .turn_ends import ends_of_companion, ends_of_last_turn, ends_of_turn
 
 
@@ -62,9 +61,6 @@ def record_of_companion(record: Record, companion: int) -> Record:
     left = record.companions
     if left is None:
         raise ValueError("a run without companions has no record of one")
-    if record.normal_shares is None and record.assembly.contacts:
-        part, inside = of_window(record, last_turn(record))
-        record.normal_shares = normal_shares(part, inside)
     choice, count = record.assembly.choice, int(left.counts[companion])
     if count == choice.outputs_every:
         return dataclasses.replace(
@@ -73,6 +69,7 @@ def record_of_companion(record: Record, companion: int) -> Record:
             source=left.rows[:, :, companion],
             row_numbers=left.row_numbers,
             companions=None,
+            run=record,
         )
     size = choice.step * choice.outputs_every / count
     state = record.assembly.state.copy()
@@ -87,6 +84,7 @@ def record_of_companion(record: Record, companion: int) -> Record:
         source=left.rows[:, :, companion],
         row_numbers=left.row_numbers,
         companions=None,
+        run=record,
     )
 
 

@@ -11,8 +11,7 @@ import numpy as np
 from ..numerics.elementwise import hypot
 from ..solvers.record import Record
 from ..solvers.repeating import outputs_of_a_turn
-from .contacts import relative_velocity
-from .forces import KINDS, eccentricity
+from .forces import KINDS, eccentricity, relative_velocity
 from .motion import velocities
 
 # A load that turns with the crank moves the contact about as fast as the journal turns; rolling is faster.

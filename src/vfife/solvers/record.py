@@ -232,8 +232,9 @@ class Record:
     ``source`` is the rows themselves or, where a run file has them, what reads them when they are first asked
     for: a run that writes a file keeps no rows in memory. ``companions`` ran beside it, or None; ``estimate``
     is that of a smooth run, where it was made. ``damaged_parts`` names what was damaged in the file that it
-    was read from; ``normal_shares`` (1), shape (contacts,), are those of normal forces in the largest forces,
-    which a companion has from its run; ``reached`` is the last step made, ``burst`` where the run diverged.
+    was read from; ``normal_shares`` (1), shape (contacts,), are those of normal forces in the largest forces
+    of the last turn, once they are known; a companion has those of its ``run``;
+    ``reached`` is the last step made, ``burst`` where the run diverged.
     ``checkpoint`` is the state from which it goes on, with that of its companions, where no file has it.
     ``turn_ends`` are those of a record of one turn that begins and ends between two outputs.
     """
@@ -253,6 +254,7 @@ class Record:
     reached: int = 0
     burst: Burst | None = None
     normal_shares: Rows | None = field(default=None, repr=False, compare=False)
+    run: Record | None = field(default=None, repr=False, compare=False)
     checkpoint: Checkpoint | None = field(default=None, compare=False)
     columns: Columns | None = field(
         default=None, repr=False, compare=False
