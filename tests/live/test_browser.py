@@ -398,7 +398,7 @@ def test_the_slider_for_all_clearances_states_the_factor_of_each(opened):
     ])))  # fmt: skip
     shared = page.get_by_label("all clearances", exact=True)
     count = int(shared.get_attribute("max")) + 1
-    assert count >= 13, "two thirds of the twenty positions that each of two such sliders has"
+    assert count >= 15, "three quarters of the twenty positions that each of two such sliders has"
     factors = []
     for position in range(count):
         shared.fill(str(position))

@@ -143,6 +143,10 @@ def test_sliders_of_clearances_have_the_same_factors_where_their_ranges_overlap(
     assert (slides[0].values[0], slides[0].values[-1]) == (2e-6, 2e-4)
     assert speed == parse_slides(mechanism, texts[2:])[0]
     assert [slide.values[slide.here] for slide in slides] == [20.5e-6, 17e-6]
+    thinned = fewer_positions((*slides, speed), [(0, 1, 2)])
+    kept = [{round(value / one.values[one.here], 9) for value in one.values} for one in thinned[:2]]
+    assert [len(one.values) for one in thinned] == [7, 5, 7]
+    assert len(kept[0] & kept[1]) == 5 and {1.0, round(low, 9), round(high, 9)} <= kept[0] & kept[1]
 
 
 @pytest.mark.parametrize(

@@ -159,15 +159,15 @@ def with_positions(slide: Slide, positions: Sequence[int]) -> Slide:
 
 
 def kept_positions(slide: Slide, limit: int) -> list[int]:
-    """Return ``limit`` positions of a slider, including the model's own: of one that shares factors with
-    others, two thirds of them are at such factors, the same ones for all.
+    """Return ``limit`` positions of a slider, including the model's own. A quarter of those of a slider
+    that shares factors with others, at least two, are not at such factors.
     """
     shared = [k for k, value in enumerate(slide.values) if value in slide.common]
     if not shared:
         return spaced(range(len(slide.values)), limit, slide.here)
     others = sorted({*range(len(slide.values))} - {*shared})
-    kept = spaced(shared, 2 * limit // 3, slide.here)
-    return sorted({*kept, *spaced(others, limit - 2 * limit // 3)})
+    room = max(2, limit // 4)
+    return sorted([*spaced(shared, limit - room, slide.here), *spaced(others, room)])
 
 
 def spaced(positions: Sequence[int], limit: int, own: int | None = None) -> list[int]:
