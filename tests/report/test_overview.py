@@ -18,6 +18,7 @@ from vfife import gallery
 from vfife.model.mechanism import Mechanism
 from vfife.report.amounts import prefixed
 from vfife.report.digits import CERTAIN
+from vfife.report.front import conclusion
 from vfife.report.overview import certainty, errors, joint_table, overview, uncertain
 from vfife.report.run import facts, tables
 from vfife.report.terminal import write
@@ -187,6 +188,40 @@ def test_a_harder_knock_of_the_start_stands_beside_that_of_the_turns() -> None:
     rows = {row[0]: row for row in noise.rows}
     assert rows["C"][4] == "40 mm/s (not estimated)" and rows["D"][2] == rows["D"][4]
     assert rows["D"][4] in said, "the report has the number of the short answer"
+
+
+def knocking(**speeds: tuple[float, float, float, bool]) -> dict:
+    """The summary with the knocks of the turns of the measures: speed, range (m/s), hardest of the run."""
+    summary = copy.deepcopy(result().summary)
+    for joint, (speed, low, high, hardest) in speeds.items():
+        name = f"{joint}.approach_speed.max"
+        summary["measures"][name] = speed if hardest else 0.5
+        ends = {"low": low, "high": high} if hardest else {"low": 0.4, "high": 0.6}
+        summary["ranges"][name] |= ends
+        summary["knocks"][joint] = {"count": 2, "speed": speed, "hardest": hardest}
+    return summary
+
+
+def test_one_joint_knocks_hardest_only_where_no_range_of_another_reaches_it() -> None:
+    summary = knocking(B=(0.15, 0.107, 0.188, True), C=(0.1, 0.058, 0.22, True), D=(0.04, 0.0, 0.0, False))
+    said = " ".join(text(summary).split())
+    assert "107 to 188 mm/s (B) or 58 to 220 mm/s (C) in the turns of the table" in said, said
+    (knocks,) = [words for words in conclusion(summary) if "knocks hardest" in words]
+    assert knocks.startswith(
+        "Joint B or C knocks hardest: the surfaces of B meet at 107 to 188 mm/s in the hardest knock; C 58 to"
+    )
+    apart = knocking(B=(0.15, 0.107, 0.188, True), C=(0.1, 0.058, 0.1, True), D=(0.04, 0.0, 0.0, False))
+    assert "107 to 188 mm/s (B) in the turns of the table" in " ".join(text(apart).split())
+    (knocks,) = [words for words in conclusion(apart) if "knocks hardest" in words]
+    assert knocks.startswith("Joint B knocks hardest: its surfaces meet at 107 to 188 mm/s in the hardest")
+
+
+def test_a_range_that_reaches_a_speed_without_one_names_both_joints() -> None:
+    summary = knocking(B=(0.22, 0.0, 0.0, False), C=(0.2, 0.13, 0.31, True), D=(0.04, 0.0, 0.0, False))
+    said = " ".join(text(summary).split())
+    assert "220 mm/s (B, not estimated) or 130 to 310 mm/s (C) in the turns of the table" in said, said
+    (knocks,) = [words for words in conclusion(summary) if "knocks hardest" in words]
+    assert knocks.startswith("Joint B or C knocks hardest: the surfaces of B meet at up to 220 mm/s (not")
 
 
 def test_friction_of_an_ideal_joint_is_not_computed_where_others_have_some() -> None:
