@@ -19,7 +19,7 @@ from vfife.model.mechanism import Mechanism
 from vfife.report.amounts import prefixed
 from vfife.report.digits import CERTAIN
 from vfife.report.front import conclusion
-from vfife.report.overview import certainty, errors, joint_table, overview, uncertain
+from vfife.report.overview import cautions, certainty, errors, joint_table, overview, uncertain
 from vfife.report.run import facts, tables
 from vfife.report.terminal import write
 from vfife.units import in_rpm
@@ -294,6 +294,16 @@ def test_the_torque_of_a_driver_has_one_range() -> None:
     said = " ".join(text(summary).split())
     low, high = (end for end in re.search(r"crank torque (\S+) to (\S+) N m", said).groups())
     assert f"largest torque {low} to {high} N m (ideal" in said and "torque up to" not in said
+    (long,) = [words for _, words in facts(summary) if "crank: largest torque" in words]
+    assert f"largest torque {low} to {high} N m (" in long and "; ideal " in long, long
+
+
+def test_turns_that_are_hardly_apart_are_not_said_not_to_repeat() -> None:
+    summary = vfife.simulate(gallery.scotch_yoke(), turns=2, step=3e-4, companions=0).summary
+    said = " ".join(cautions(summary))
+    assert summary["turns"]["distance"] < 5e-5 and summary["turns"]["motion"] != "periodic"
+    assert "do not repeat yet" not in said and "settle" not in said
+    assert "less than 0.01 % from one before it; whether turns repeat shows in more: --turns 40." in said
 
 
 def test_a_peak_of_torque_is_no_mean() -> None:

@@ -199,7 +199,8 @@ def _largest_force(summary: Json, joints: list[str]) -> str:
 def _joint(summary: Json) -> str:
     joints = {name: joint for name, joint in summary["joints"].items() if joint.get("clearance")}
     rises = {name: summary["lip"].get(f"{name}.force") for name in joints}
-    compared = {name: rise for name, rise in rises.items() if rise is not None}
+    changed = (name for name in joints if influence_text(summary, f"{name}.force"))
+    compared = {name: rise for name in changed if (rise := rises[name]) is not None}
     if not compared:
         return ""
     name = max(compared, key=compared.__getitem__)
