@@ -8,6 +8,7 @@ import json
 import os
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -21,6 +22,7 @@ from vfife.plots.sensitivity import bars
 from vfife.plots.style import STYLE
 from vfife.studies.methods import compare as study
 from vfife.studies.methods.compare import Parts
+from vfife.studies.methods.comparison_rows import influence_on
 
 pytestmark = pytest.mark.usefixtures("only_built_in_laws")
 
@@ -65,6 +67,17 @@ def test_each_run_is_the_run_of_its_law() -> None:
     assert joint["C"].friction.coefficient == model.clearances["C"].friction.coefficient
     assert found.results[2].record.assembly.mechanism.clearances["C"].contact.stiffness == 6.6e10
     assert found.rows[1]["energy_lost"] != found.rows[0]["energy_lost"]
+
+
+def test_a_force_or_acceleration_that_the_ideal_mechanism_has_not_has_no_change() -> None:
+    """The block of a Scotch yoke does not turn but for rounding; the change was 3.5e22 %."""
+    ideal = {"block.angular_acceleration.max": 1e-20, "rod.angular_acceleration.max": 40.0}
+    loose = {"block.angular_acceleration.max": 5.0, "rod.angular_acceleration.max": 50.0}
+    lips = {"block.angular_acceleration.lip": 5e22, "rod.angular_acceleration.lip": 25.0}
+    run = SimpleNamespace(measures=loose | lips, reference=SimpleNamespace(measures=ideal))
+    assert influence_on(run, "block.angular_acceleration") is None
+    assert influence_on(run, "rod.angular_acceleration") == 25.0
+    assert influence_on(SimpleNamespace(measures=loose, reference=None), "rod.angular_acceleration") is None
 
 
 def test_numbers_have_the_ranges_of_their_runs() -> None:

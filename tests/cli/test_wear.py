@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import vfife
+from vfife.laws.materials import PAIRS
 from vfife.store.lock import Lock
 
 PIN = Path(__file__).resolve().parents[2] / "examples" / "slider_crank_loose_pin.toml"
@@ -199,6 +200,27 @@ def test_joints_that_cannot_wear_are_told(command, tmp_path):
         other.write_text(model.read_text().replace(old, new, 1))
         done = command("check", other)
         assert done.exit_code == 2 and said in " ".join(done.stderr.split()), done.stderr
+
+
+@pytest.mark.parametrize("unit", ["mm3/Nm", "mm^3/(N m)", "mm3/(N*m)", "mm³/(N m)"])
+def test_units_of_tribology_are_read(command, tmp_path, unit):
+    model = worn_pin(tmp_path)
+    model.write_text(model.read_text().replace(WEAR, f'wear = {{ bearing = "8e-8 {unit}" }}', 1))
+    done = command("check", model)
+    assert done.exit_code == 0 and "pin: rod (bearing) wears by 8e-17 1/Pa" in " ".join(done.stdout.split())
+
+
+def test_the_fault_of_a_coefficient_has_its_unit_and_all_pairs(command, tmp_path):
+    model = worn_pin(tmp_path)
+    for wrong in ("8e-8 mm3/kg", "steel on butter"):
+        model.write_text(model.read_text().replace(WEAR, f'wear = {{ bearing = "{wrong}" }}', 1))
+        said = " ".join(command("check", model).stderr.split())
+        assert all(name in said for name in PAIRS) and wrong in said, said
+        assert "mm^3/(N m)" in said and "1 1/Pa" not in said
+        model = worn_pin(tmp_path)
+    model.write_text(model.read_text().replace(WEAR, 'wear = { bearing = "-1 1/Pa" }', 1))
+    said = " ".join(command("check", model).stderr.split())
+    assert "negative" in said and 'as in "8e-8 mm^3/(N m)"' in said
 
 
 def test_check_and_run_tell_the_wear(command, tmp_path):

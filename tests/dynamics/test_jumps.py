@@ -70,6 +70,8 @@ def test_the_exponent_of_a_damped_stop_contains_the_jump_of_its_moment(damping):
     assert found.exponent.value == pytest.approx(STOPS[damping][0], abs=0.012)
     assert all(found.exponent.low < known < found.exponent.high for known in STOPS[damping])
     assert found.verdict.kind == "period 1"
+    title = " ".join(found.plot()._suptitle.get_text().split())
+    assert "range of the exponent with half the step" in title and "companions" not in title
 
 
 def test_points_that_scatter_with_the_step_are_periodic():

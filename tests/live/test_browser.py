@@ -378,3 +378,35 @@ def test_one_slider_moves_all_clearances(opened):
     assert page.evaluate("() => live.sliders.all.output.textContent") == "2 times the model"
     page.get_by_label("all clearances as in the model").click()
     assert page.evaluate("() => live.sliders.setting.positions") == [1, 1]
+
+
+CLEARANCES = (
+    "() => live.sliders.clearances"
+    ".map((s) => live.sliders.inputs[s].slide.values[live.sliders.setting.positions[s]])"
+)
+
+
+def test_the_slider_for_all_clearances_states_the_factor_of_each(opened):
+    """Its range is the one that all have: 0.5 to 2 of the first joint, 0.2 to 1.5 of the second."""
+    mechanism = gallery.compressor()
+    names = ("big-end", "small-end")
+    own = [mechanism.joints[name].clearance for name in names]
+    ranges = ((0.5, 2.0), (0.2, 1.5))
+    page = opened(page_of(mechanism, parse_slides(mechanism, [
+        f"joint.{name}.clearance={low * value * 1e6:.6g}..{high * value * 1e6:.6g}um"
+        for name, value, (low, high) in zip(names, own, ranges, strict=True)
+    ])))  # fmt: skip
+    shared = page.get_by_label("all clearances", exact=True)
+    count = int(shared.get_attribute("max")) + 1
+    assert count >= 15, "three quarters of the twenty positions that each of two such sliders has"
+    factors = []
+    for position in range(count):
+        shared.fill(str(position))
+        text = page.evaluate("() => live.sliders.all.output.textContent")
+        factors.append(1.0 if text == "as in the model" else float(text.removesuffix(" times the model")))
+        assert page.evaluate(CLEARANCES) == pytest.approx([factors[-1] * value for value in own], rel=5e-3)
+        found = [value / mine for value, mine in zip(page.evaluate(CLEARANCES), own, strict=True)]
+        assert found[0] == pytest.approx(found[1], rel=1e-9)
+    assert (factors[0], factors[-1]) == (0.5, 1.5)
+    page.locator("#slide-0").fill("0")
+    assert page.evaluate("() => live.sliders.all.output.textContent") == "no common factor"

@@ -17,7 +17,7 @@ from vfife.live.page import patches
 from vfife.live.page.patches import GROUP_COMBINATIONS, Assembler, fewer_positions, slider_patches
 from vfife.live.page.sliders import POSITIONS, Slide, default_slides, number_at, parse_slides
 from vfife.model.mechanism import StartSettings
-from vfife.modelfile import dump
+from vfife.modelfile import dump, loads
 
 
 def few(slide: Slide) -> Slide:
@@ -128,6 +128,25 @@ def test_ranges_are_read_with_their_units():
     (speed,) = parse_slides(mechanism, ["driver.crank.speed=1000..2000 rpm"])
     assert speed.values[0] == pytest.approx(1000 * np.pi / 30, rel=1e-2)
     assert number_at(mechanism, "joint.C.contact.restitution") == (0.9, "1")
+
+
+def test_sliders_of_clearances_have_the_same_factors_where_their_ranges_overlap():
+    changes = [("joint.B.clearance", 20.5e-6), ("joint.C.clearance", 17e-6)]
+    mechanism = loads(dump(gallery.four_bar_case_c()), set=changes)
+    texts = ["joint.B.clearance=2..200um", "joint.C.clearance=10..40um", "driver.crank.speed=900..1100rpm"]
+    *slides, speed = parse_slides(mechanism, texts)
+    factors = [[value / slide.values[slide.here] for value in slide.values] for slide in slides]
+    low, high = 10 / 17, 40 / 17
+    assert (factors[1][0], factors[1][-1]) == (pytest.approx(low), pytest.approx(high))
+    inner = [factor for factor in factors[0] if low * (1 - 1e-9) < factor < high * (1 + 1e-9)]
+    assert inner == pytest.approx(factors[1], rel=1e-9) and len(inner) > 15
+    assert (slides[0].values[0], slides[0].values[-1]) == (2e-6, 2e-4)
+    assert speed == parse_slides(mechanism, texts[2:])[0]
+    assert [slide.values[slide.here] for slide in slides] == [20.5e-6, 17e-6]
+    thinned = fewer_positions((*slides, speed), [(0, 1, 2)])
+    kept = [{round(value / one.values[one.here], 9) for value in one.values} for one in thinned[:2]]
+    assert [len(one.values) for one in thinned] == [7, 5, 7]
+    assert len(kept[0] & kept[1]) == 5 and {1.0, round(low, 9), round(high, 9)} <= kept[0] & kept[1]
 
 
 @pytest.mark.parametrize(

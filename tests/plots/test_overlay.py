@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from functools import cache
 from typing import Any
 
@@ -129,6 +130,22 @@ def test_a_mean_peak_is_called_so_where_turns_differ() -> None:
         assert ax.get_title(loc="right").startswith("means ") and not ax.get_title(loc="left").endswith("…")
     polar = result.plot("polar")["polar"]
     assert all(ax.get_title(loc="right").startswith("mean peak") for ax in polar.axes)
+
+
+def test_only_the_peak_of_a_mean_is_called_mean() -> None:
+    """A run that scatters beside one whose last turn counts."""
+    m = gallery.four_bar_case_b()
+    m.joints["C"] = dataclasses.replace(m.contacts["C"], clearance=1e-3)
+    scattering = vfife.simulate(m, turns=6, outputs=120, companions=0)
+    single = vfife.simulate(gallery.four_bar_case_b(), turns=1, outputs=120, companions=0)
+    assert shown_span(scattering).turns is not None and shown_span(single).turns is None
+    figure = single.plot("forces", other=scattering, labels=["one", "six"])["forces"]
+    for ax in figure.axes:
+        assert re.fullmatch(r"peak [\d.,]+ / [\d., to]+ \(mean\) k?N", ax.get_title(loc="right"))
+    narrow = single.plot("polar", other=scattering, labels=["one", "six"])["polar"]
+    assert "* mean of peaks" in narrow._suptitle.get_text()
+    for ax in narrow.axes:
+        assert re.fullmatch(r"peak [\d.,]+ / [\d., to]+ \* k?N", ax.get_title(loc="right"))
 
 
 def test_every_overlay_is_readable() -> None:

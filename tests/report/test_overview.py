@@ -18,7 +18,8 @@ from vfife import gallery
 from vfife.model.mechanism import Mechanism
 from vfife.report.amounts import prefixed
 from vfife.report.digits import CERTAIN
-from vfife.report.overview import certainty, errors, joint_table, overview, uncertain
+from vfife.report.front import conclusion
+from vfife.report.overview import cautions, certainty, errors, joint_table, overview, uncertain
 from vfife.report.run import facts, tables
 from vfife.report.terminal import write
 from vfife.units import in_rpm
@@ -189,6 +190,40 @@ def test_a_harder_knock_of_the_start_stands_beside_that_of_the_turns() -> None:
     assert rows["D"][4] in said, "the report has the number of the short answer"
 
 
+def knocking(**speeds: tuple[float, float, float, bool]) -> dict:
+    """The summary with the knocks of the turns of the measures: speed, range (m/s), hardest of the run."""
+    summary = copy.deepcopy(result().summary)
+    for joint, (speed, low, high, hardest) in speeds.items():
+        name = f"{joint}.approach_speed.max"
+        summary["measures"][name] = speed if hardest else 0.5
+        ends = {"low": low, "high": high} if hardest else {"low": 0.4, "high": 0.6}
+        summary["ranges"][name] |= ends
+        summary["knocks"][joint] = {"count": 2, "speed": speed, "hardest": hardest}
+    return summary
+
+
+def test_one_joint_knocks_hardest_only_where_no_range_of_another_reaches_it() -> None:
+    summary = knocking(B=(0.15, 0.107, 0.188, True), C=(0.1, 0.058, 0.22, True), D=(0.04, 0.0, 0.0, False))
+    said = " ".join(text(summary).split())
+    assert "107 to 188 mm/s (B) or 58 to 220 mm/s (C) in the turns of the table" in said, said
+    (knocks,) = [words for words in conclusion(summary) if "knocks hardest" in words]
+    assert knocks.startswith(
+        "Joint B or C knocks hardest: the surfaces of B meet at 107 to 188 mm/s in the hardest knock; C 58 to"
+    )
+    apart = knocking(B=(0.15, 0.107, 0.188, True), C=(0.1, 0.058, 0.1, True), D=(0.04, 0.0, 0.0, False))
+    assert "107 to 188 mm/s (B) in the turns of the table" in " ".join(text(apart).split())
+    (knocks,) = [words for words in conclusion(apart) if "knocks hardest" in words]
+    assert knocks.startswith("Joint B knocks hardest: its surfaces meet at 107 to 188 mm/s in the hardest")
+
+
+def test_a_range_that_reaches_a_speed_without_one_names_both_joints() -> None:
+    summary = knocking(B=(0.22, 0.0, 0.0, False), C=(0.2, 0.13, 0.31, True), D=(0.04, 0.0, 0.0, False))
+    said = " ".join(text(summary).split())
+    assert "220 mm/s (B, not estimated) or 130 to 310 mm/s (C) in the turns of the table" in said, said
+    (knocks,) = [words for words in conclusion(summary) if "knocks hardest" in words]
+    assert knocks.startswith("Joint B or C knocks hardest: the surfaces of B meet at up to 220 mm/s (not")
+
+
 def test_friction_of_an_ideal_joint_is_not_computed_where_others_have_some() -> None:
     summary = copy.deepcopy(result().summary)
     rows = {row[0].split()[0]: row for row in joint_table(summary).rows}
@@ -259,6 +294,16 @@ def test_the_torque_of_a_driver_has_one_range() -> None:
     said = " ".join(text(summary).split())
     low, high = (end for end in re.search(r"crank torque (\S+) to (\S+) N m", said).groups())
     assert f"largest torque {low} to {high} N m (ideal" in said and "torque up to" not in said
+    (long,) = [words for _, words in facts(summary) if "crank: largest torque" in words]
+    assert f"largest torque {low} to {high} N m (" in long and "; ideal " in long, long
+
+
+def test_turns_that_are_hardly_apart_are_not_said_not_to_repeat() -> None:
+    summary = vfife.simulate(gallery.scotch_yoke(), turns=2, step=3e-4, companions=0).summary
+    said = " ".join(cautions(summary))
+    assert summary["turns"]["distance"] < 5e-5 and summary["turns"]["motion"] != "periodic"
+    assert "do not repeat yet" not in said and "settle" not in said
+    assert "less than 0.01 % from one before it; whether turns repeat shows in more: --turns 40." in said
 
 
 def test_a_peak_of_torque_is_no_mean() -> None:

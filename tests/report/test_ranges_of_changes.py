@@ -16,8 +16,8 @@ from vfife.measures.error_ranges import widen_influences
 from vfife.measures.values import Measured, Measures
 from vfife.report.document import Document, Table
 from vfife.report.front import TERMS, conclusion
-from vfife.report.overview import joint_table, overview
-from vfife.report.run_file import change_text
+from vfife.report.overview import cautions, joint_table, overview
+from vfife.report.run_file import change_text, side_by_side
 from vfife.report.run_tables import MEANS, knock_texts, may_not_knock, tables
 from vfife.report.sensitivity import _range
 from vfife.report.terminal import as_text, write
@@ -64,6 +64,38 @@ def test_a_change_by_clearance_has_its_range_and_one_name_everywhere() -> None:
     assert any("a change of 9,000 to 13,000 %" in text for text in conclusion(changes)), conclusion(changes)
     certain = altered({"force.lip": (20.0, 19.9, 20.1)})
     assert cell(joint_table(certain), "small-end", "change") == "20.0 %"
+
+
+def test_an_ideal_force_or_acceleration_of_about_zero_has_no_change() -> None:
+    """The quotient would be rounding: 3.5e22 %."""
+    summary = copy.deepcopy(compressor())
+    summary["joints"]["small-end"]["ideal_force.max"] = 1e-12
+    summary["lip"]["small-end.force"] = 3.5e22
+    name = next(name for name, body in summary["model"]["bodies"].items() if not body["driven"])
+    summary["model"]["bodies"][name]["ideal_angular_acceleration.max"] = 1e-20
+    summary["lip"][f"{name}.angular_acceleration"] = 3.5e22
+    forces = tables(summary)[0]
+    assert (cell(forces, "small-end", "ideal"), cell(forces, "small-end", "change")) == ("about 0", "")
+    (bodies,) = [table for table in tables(summary) if "angular accelerations" in table.title.lower()]
+    assert (cell(bodies, name, "ideal"), cell(bodies, name, "change")) == ("about 0", "")
+    assert cell(joint_table(summary), "small-end", "change") == ""
+    assert not any("small-end" in text for text in conclusion(summary)[1:2])
+
+
+def test_two_runs_name_the_runs_that_have_cautions_and_how_a_change_gets_its_range() -> None:
+    summary = altered({"force.max": (1.33e3, 1.02e3, 1.64e3)}) | {"warnings": ["w"], "contacts": {}}
+    later = altered({"force.max": (2.2e3, 2.1e3, 2.3e3)}) | {"warnings": [], "contacts": {}}
+    for one in (later, summary):
+        one["run"] = one["run"] | {"notes": []}
+        one |= {"turns": None, "conformal": [], "not_unique": []}
+    calm = [name for name, one in {"b": later}.items() if not any(cautions(one))]
+    said = as_text(Document(side_by_side({"a": summary, "b": later}).parts[-1:]), 200)
+    assert calm == ["b"] and "Cautions: vfife info a. Figures" in said
+    assert "difference of both ranges, in per cent of the value of the first run" in said
+    assert change_text((summary, later), "small-end.force.max") == "34 to 97 %"
+    reverse = as_text(Document(side_by_side({"b": later, "a": summary}).parts[-1:]), 200)
+    assert "Cautions: vfife info a. Figures" in reverse
+    assert "Cautions" not in as_text(Document(side_by_side({"b": later, "c": later}).parts[-1:]), 200)
 
 
 def test_no_change_is_below_the_loss_of_all() -> None:

@@ -44,7 +44,10 @@ KINDS = {
         ("vary", "point", "measures", "allocation", "optimise", "cost", "limit"),
     ),
     "fit plan": Kind("a fit plan", "run it with vfife fit {file}", ("record", "parameters")),
-    "run": Kind("a run", "show it with vfife info {file}, or name its model.toml"),
+    "run": Kind(
+        "a run",
+        "show it with vfife info {file}, read it in Python with vfife.load_result, or name its model.toml",
+    ),
     "study": Kind("the results of a study", "show them with vfife study show {file}"),
     "map": Kind("a map", "show it with vfife map show {file}"),
     "wear": Kind("the results of vfife wear", "show them with vfife wear {file}"),

@@ -184,6 +184,7 @@ OVER_RUN: Groups = (
 )  # fmt: skip
 # Groups for which one row a turn suffices: the largest of the extremes, and the sums at the end of the turn.
 BY_TURN: Groups = (*PEAKS, LOSSES, VOLUMES)
+NEGLIGIBLE_IDEAL = 1e-9  # of the largest of its kind: an ideal force or acceleration below it is rounding
 INFLUENCES = {"force.lip": "%", "angular_acceleration.lip": "%"}
 INFLUENCE = tuple(f".{ending}" for ending in INFLUENCES)
 COUNTED = tuple(f".{ending}" for group in OVER_RUN for ending in group.units)
@@ -260,6 +261,13 @@ def peaks_by_output(record: Record) -> list[dict[str, float]]:
 def over_run(record: Record) -> dict[str, float]:
     """Compute the measures of a whole run, up to its last output."""
     return over_turn(record, full_run(record), OVER_RUN)
+
+
+def is_ideal_zero(value: float, values: Iterable[float | None]) -> bool:
+    """Return whether a largest force or acceleration of the ideal mechanism is rounding beside ``values`` of
+    its kind.
+    """
+    return 0.0 < value <= NEGLIGIBLE_IDEAL * max((abs(size or 0.0) for size in values), default=0.0)
 
 
 def lip(largest: float, ideal: float) -> float:

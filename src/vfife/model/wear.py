@@ -2,20 +2,49 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..errors import Fault
+from ..errors import Fault, shown
 from ..laws.materials import PAIRS
 from ..numerics.elementwise import sincos
 from ..numerics.scalar import hypot
 from ..schema import LENGTH, FreeList, Measure, described
 
 MOST_HARMONICS = 32
-COEFFICIENT = Measure("1/Pa", low=0.0, words=tuple(PAIRS))
+EXAMPLE = "8e-8 mm^3/(N m)"  # steel on steel with oil
+
+
+class WearCoefficient(Measure):
+    """A wear coefficient (1/Pa) or the name of a pair of materials. ``mm3`` stands for ``mm^3``, because
+    tables of tribology have it.
+    """
+
+    def take(self, value: Any, written: bool) -> Any:
+        """Return an SI value or the name of a pair."""
+        try:
+            return super().take(
+                re.sub(r"\bmm3\b", "mm^3", value) if isinstance(value, str) else value, written
+            )
+        except Fault as fault:
+            if self.words[0] not in fault.limit:  # of the right kind, but negative
+                raise
+            pairs = ", ".join(f'"{name}"' for name in self.words)
+            limit = f"a number in mm^3/(N m) or 1/Pa, or one of the pairs {pairs}"
+            raise Fault(
+                fault.where, fault.what, shown(value), limit, f'write for example "{EXAMPLE}"'
+            ) from None
+
+    def remedy(self, written: bool) -> str:
+        """Return the remedy for a negative coefficient."""
+        return f'correct the value or its unit (as in "{EXAMPLE}")' if written else super().remedy(written)
+
+
+COEFFICIENT = WearCoefficient("1/Pa", low=0.0, words=tuple(PAIRS))
 MEANING = (
     "wear coefficient of the {}: volume over normal force and sliding distance, or a pair of materials by"
     " name"

@@ -223,7 +223,9 @@ def section(result: PoincareSection) -> Figure:
     for k, name in enumerate(result.struck, 1):
         onsets(axes[2 * k], axes[2 * k + 1], result, name)
     turns = f"{result.verdict.kind}; {result.done:,} turns after {result.spec.dropped:,}"
-    heading(figure, _title(result, turns, "no companions"), result.progress)
+    repeated = result.exponent is not None and result.exponent.estimated
+    steps = "range of the exponent with half the step" if repeated else "one step size"
+    heading(figure, _title(result, turns, steps), result.progress)
     return figure
 
 

@@ -76,7 +76,7 @@ RUNS: tuple[dict[str, Any], ...] = (  # colours of different brightness, and das
     {"color": GREEN, "ls": (0, (3, 1.4))},
     {"color": PURPLE, "ls": (0, (6, 1.2, 1.2, 1.2, 1.2, 1.2))},
 )
-MEAN = "means"  # before peaks in narrow panels
+MEAN, OF_MEAN = "means", " *"  # before peaks in narrow panels, and behind one that is a mean beside others
 ALIKE = 1e-3  # of the largest value: ideal curves that differ by less are one
 
 
@@ -336,6 +336,8 @@ def overlay(
     turn = turns.pop() if len(turns) == 1 else ""
     if any(ax.get_title(loc="right").startswith(MEAN) for ax in panels.axes):
         turn += ", means of peaks"
+    elif any(OF_MEAN in ax.get_title(loc="right") for ax in panels.axes):
+        turn += f", {OF_MEAN.strip()} mean of peaks"
     return panels.close(f"{names}: {kind.title}{turn}, {progress or f'{len(runs)} runs'}")
 
 
@@ -369,9 +371,12 @@ def _draw(ax: Axes, curves: dict[int, Curve], shape: str, labels: Sequence[str])
     peaks = [peak_digits(curve.peak, up) for curve in curves.values() if curve.peak is not None]
     if len(peaks) == len(curves):
         times = "" if first.up[1] in PREFIXED or up == 1.0 else "× "
-        means = any(curve.span is not None and curve.span.turns is not None for curve in curves.values())
+        means = [curve.span is not None and curve.span.turns is not None for curve in curves.values()]
         # Square panels are too narrow for more words
-        word = "peak" if not means else MEAN if shape == "square" else "mean peak"
+        word = "peak" if not all(means) else MEAN if shape == "square" else "mean peak"
+        if any(means) and not all(means):
+            mark = OF_MEAN if shape == "square" else " (mean)"
+            peaks = [f"{peak}{mark}" if mean else peak for peak, mean in zip(peaks, means, strict=True)]
         corner_text(ax, f"{word} {' / '.join(peaks)} {times}{unit}")
     _limits(ax, curves, shape, across, up)
 

@@ -8,8 +8,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..job.progress import amount_of_bytes, span
+from ..measures.catalogue import is_ideal_zero
 from ..model.surfaces import surface_words
-from .digits import ABOUT_ZERO, RADIAL, is_ideal_zero
+from .digits import ABOUT_ZERO, RADIAL
 from .document import Document, Paragraph, Part, Table, grouped, paragraphs, quantities
 from .freedom import freedom_words
 from .loads import load_words

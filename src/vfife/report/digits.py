@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+from ..measures.catalogue import is_ideal_zero
 from ..measures.values import NOT_ESTIMATED
 from ..numerics.outward import DOWN, UP, exponent, significant_range
 from ..numerics.scalar import log10
@@ -27,7 +28,6 @@ UNITS = {  # of the measures that a summary shows with their units, by the ends 
     "displacement.max": "m", "actuator_force.max": "N", "actuator_torque.max": "N m",
     "angular_acceleration.max": "rad/s²",
 }  # fmt: skip
-NEGLIGIBLE_IDEAL = 1e-9  # of the largest of its kind: an ideal force or acceleration below it is rounding
 
 
 # -------------------------------------------------------------------------------- measures of a run's summary
@@ -246,13 +246,6 @@ def over_turns(text: str, turns: str) -> str:
     turns as it is.
     """
     return f"{text}, mean over turns (single turns {turns})" if turns else text
-
-
-def is_ideal_zero(value: float, values: Iterable[float | None]) -> bool:
-    """Return whether a largest force or acceleration of the ideal mechanism is rounding beside ``values`` of
-    its kind.
-    """
-    return 0.0 < value <= NEGLIGIBLE_IDEAL * max((abs(size or 0.0) for size in values), default=0.0)
 
 
 def forces_of(summary: Json) -> list[float | None]:

@@ -19,17 +19,9 @@ from .amounts import interval, prefixed
 from .design_words import and_words, or_words
 from .digits import CERTAIN, Json, ideal_force_text, is_undetermined, turns_text, uncertainty
 from .document import Element, Facts, Paragraph, Part, Section, Table
-from .noise import blow, rivals
+from .noise import blow, hardest_joints, knock_speed, rivals
 from .overview import certainty, clearance_note, interrupted_length, joint_table
-from .run_tables import (
-    NONE_BEGAN,
-    force_text,
-    influence_text,
-    knock_texts,
-    may_not_knock,
-    of_contacts,
-    own_knocks,
-)
+from .run_tables import NONE_BEGAN, force_text, influence_text, knock_texts, may_not_knock
 
 LARGEST_LOGO = 1_000_000  # bytes
 PICTURES = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}
@@ -207,7 +199,8 @@ def _largest_force(summary: Json, joints: list[str]) -> str:
 def _joint(summary: Json) -> str:
     joints = {name: joint for name, joint in summary["joints"].items() if joint.get("clearance")}
     rises = {name: summary["lip"].get(f"{name}.force") for name in joints}
-    compared = {name: rise for name, rise in rises.items() if rise is not None}
+    changed = (name for name in joints if influence_text(summary, f"{name}.force"))
+    compared = {name: rise for name in changed if (rise := rises[name]) is not None}
     if not compared:
         return ""
     name = max(compared, key=compared.__getitem__)
@@ -227,15 +220,19 @@ def _knocks(summary: Json) -> str:
     loose = {name: texts for name, texts in joints.items() if texts[0]}
     struck = sorted(
         (name for name in loose if loose[name][0] not in ("none", NONE_BEGAN)),
-        key=lambda name: -_speed(summary, name),
+        key=lambda name: -knock_speed(summary, name),
     )
     sentences = []
     if struck:
         name, *milder = struck
         texts = [f"{joint} {loose[joint][0]}" for joint in milder]
         remainder = f"; {', '.join(texts)}" if texts else ""
+        rivals_of = [joint for joint in hardest_joints(summary) if joint in milder]
+        speed = loose[name][0]
+        meeting = f"{speed} in the hardest knock" if " to " in speed else f"up to {speed}"
+        surfaces = f"the surfaces of {name}" if rivals_of else "its surfaces"
         sentences.append(
-            f"Joint {name} knocks hardest: its surfaces meet at up to {loose[name][0]}{remainder}"
+            f"Joint {' or '.join([name, *rivals_of])} knocks hardest: {surfaces} meet at {meeting}{remainder}"
         )
         if may_not_knock(summary, name):
             sentences.append(f"At other step sizes joint {name} may not knock at all")
@@ -245,13 +242,6 @@ def _knocks(summary: Json) -> str:
         sentences[0] += f" in these turns; at the start, {', '.join(starts)}" if starts else ""
     sentences += [f"A blow in closed contact: {text}" for _, text in blow(summary)]
     return "".join(f"{sentence}. " for sentence in sentences).rstrip()
-
-
-def _speed(summary: Json, joint: str) -> float:
-    """Return the speed (m/s) of the hardest knock of a joint in the turns of the measures."""
-    speeds = [float(entry["speed"]) for entry in own_knocks(summary, joint)]
-    names = of_contacts(summary, joint, "approach_speed.max")
-    return max(speeds or [float(summary["measures"][name]) for name in names], default=0.0)
 
 
 def _change(summary: Json, name: str) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from ..measures.values import NOT_ESTIMATED
 from .design_words import and_words
 from .digits import CERTAIN, SCATTER, Json, is_about_zero, is_estimated, largest_text, sum_text
-from .run_tables import NONE_BEGAN, blow_texts, knock_texts, knocks
+from .run_tables import NONE_BEGAN, blow_texts, knock_texts, knocks, of_contacts, own_knocks
 
 STEPS_ONLY = "at other step sizes only"  # a joint knocks, but not in this run
 # Times the rise of a joint's largest force above the ideal one: a blow larger than that is stated by itself,
@@ -71,12 +71,42 @@ def _measured_knock(summary: Json) -> str:
     run has harder ones.
     """
     texts = {name: knock_texts(summary, name) for name in summary["joints"]}
-    measured = summary.get("knocks", {})
-    if not measured or not any(start for _, start in texts.values()):
+    if not summary.get("knocks") or not any(start for _, start in texts.values()):
         return ""
-    contact = max(measured, key=lambda name: float(measured[name]["speed"]))
-    joint = contact.split(".")[0]
-    return f", {_with_joint(texts[joint][0], joint)} in the turns of the table"
+    hardest = " or ".join(_with_joint(texts[joint][0], joint) for joint in hardest_joints(summary))
+    return f", {hardest} in the turns of the table"
+
+
+def hardest_joints(summary: Json) -> list[str]:
+    """Return the joints of which any may knock hardest in the turns of the measures: that of the hardest
+    knock, then those whose ranges reach the largest lower end. A speed without a range stands for itself.
+    """
+    names = [name for name in summary["joints"] if of_contacts(summary, name, "approach_speed.max")]
+    speeds = {name: knock_speed(summary, name) for name in names}
+    ends = {name: _knock_ends(summary, name) for name in names}
+    lowest = max((low for low, _ in ends.values()), default=0.0)
+    ordered = sorted(names, key=lambda name: -speeds[name])
+    return [name for k, name in enumerate(ordered) if k == 0 or ends[name][1] > lowest]
+
+
+def knock_speed(summary: Json, joint: str) -> float:
+    """Return the speed (m/s) of the hardest knock of a joint in the turns of the measures."""
+    speeds = [float(entry["speed"]) for entry in own_knocks(summary, joint)]
+    names = of_contacts(summary, joint, "approach_speed.max")
+    return max(speeds or [float(summary["measures"][name]) for name in names], default=0.0)
+
+
+def _knock_ends(summary: Json, joint: str) -> tuple[float, float]:
+    """Return the range (m/s) of the hardest knock of a joint in the turns of the measures: that of the whole
+    run if it is in these turns, else the speed at both ends.
+    """
+    measured, speed = own_knocks(summary, joint), knock_speed(summary, joint)
+    names = of_contacts(summary, joint, "approach_speed.max")
+    in_turns = not measured or any(entry["hardest"] and entry["count"] for entry in measured)
+    if not in_turns or not all(is_estimated(summary, name) for name in names):
+        return speed, speed
+    ranges = [summary["ranges"][name] for name in names]
+    return max(float(ends["low"]) for ends in ranges), max(float(ends["high"]) for ends in ranges)
 
 
 def _with_joint(knock: str, joint: str) -> str:

@@ -24,9 +24,7 @@ from .digits import (
     is_about_zero,
     is_estimated,
     is_undetermined,
-    largest_of_turns,
     largest_text,
-    over_turns,
     shaking_text,
     sum_text,
     turns_text,
@@ -35,7 +33,7 @@ from .digits import (
 )
 from .document import Document, Facts, Paragraph, Part, Section, Table, paragraphs
 from .noise import blow, noise
-from .run import CONFORMAL, ROUNDING, SHARED, actuator_facts, document, reversed_power
+from .run import CONFORMAL, ROUNDING, SHARED, actuator_facts, document, reversed_power, torque_text
 from .run_tables import (
     deepest_text,
     force_text,
@@ -48,6 +46,7 @@ from .run_tables import (
     of_contacts,
 )
 from .trust import (
+    LEAST_DISTANCE,
     UNCOMPARED,
     alternation_words,
     mesh_clause,
@@ -362,7 +361,7 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
             texts.append(f"mean torque {torque}")
         ideal = body["ideal_torque.max"]
         compared = f" (ideal {prefixed(ideal, 'N m')})" if ideal is not None else ""
-        texts.append(f"largest torque {_torque(summary, f'{name}.torque.max')}{compared}")
+        texts.append(f"largest torque {torque_text(summary, f'{name}.torque.max')}{compared}")
         yield f"Driver {name}", ", ".join(texts)
     yield from ((f"Driver {name}", text) for name, text in actuator_facts(summary))
     ground, shaking = summary.get("ground") or {}, measures.get("ground.shaking_force.max", 0.0)
@@ -382,16 +381,6 @@ def _reached_text(speed: Json) -> str:
     return f"{end} ({rpm}) at the end, least {low}, largest {high} ({NOT_ESTIMATED})"
 
 
-def _torque(summary: Json, name: str) -> str:
-    """Return the largest torque of a driver, with the same range as in the sentence on what is reliable."""
-    bounds, width = summary["ranges"].get(name), uncertainty(summary, name)
-    exact = bounds is None or width <= CERTAIN * summary["measures"][name] or not is_estimated(summary, name)
-    if exact or is_about_zero(summary, name) or is_undetermined(summary, name):
-        return largest_of_turns(summary, name, "N m")
-    text = interval(bounds["low"], bounds["high"], "N m", width)
-    return over_turns(text, turns_text(summary, name, "N m", CERTAIN))
-
-
 # --------------------------------------------------------------------------------------------------- cautions
 
 
@@ -409,7 +398,12 @@ def alternation_caution(turns: Json) -> str:
 
 def settling_options(count: int) -> str:
     """Return the options of a run that ends when its turns repeat, after one of ``count`` turns."""
-    return f"--turns {10 * max(count, 4)} --settle 1%"
+    return f"--turns {turns_to_settle(count)} --settle 1%"
+
+
+def turns_to_settle(count: int) -> int:
+    """Return a number of turns in which those of a run repeat that did not within ``count``."""
+    return 10 * max(count, 4)
 
 
 def cautions(summary: Json) -> Iterator[str]:
@@ -421,6 +415,9 @@ def cautions(summary: Json) -> Iterator[str]:
         distance = turn_distance(turns["distance"])
         yield alternation_caution(turns) or (
             f"The turns do not repeat yet ({distance} apart): run it with {settling_options(turns['count'])}."
+            if turns["distance"] >= LEAST_DISTANCE
+            else f"The last turn is {distance} from one before it; whether turns repeat shows in more:"
+            f" --turns {turns_to_settle(turns['count'])}."
         )
     elif (
         summary["contacts"] and summary["run"].get("steady") and (summary["run"]["turns"] or 0.0) < TWO_TURNS

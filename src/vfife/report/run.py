@@ -7,20 +7,25 @@ from collections.abc import Iterator, Sequence
 from ..measures.statics import EXACT
 from ..measures.stops import stop_sentence
 from ..measures.values import NOT_ESTIMATED
-from .amounts import amount, prefixed
+from .amounts import amount, interval, prefixed
 from .design_words import and_words
 from .digits import (
+    CERTAIN,
     Json,
     estimate_mark,
     ideal_shaking_text,
     is_about_zero,
+    is_estimated,
     is_negative,
+    is_undetermined,
     largest_of_turns,
     measure_text,
+    over_turns,
     plain_number,
     range_text,
     shaking_text,
     sum_text,
+    turns_text,
     uncertainty,
     unit_of,
     value_text,
@@ -158,12 +163,33 @@ def _torques(summary: Json) -> Iterator[str]:
         if body["torque.max"] is not None:
             ideal = body["ideal_torque.max"]
             unknown = f" ({NOT_ESTIMATED})" if summary["trust"] else ""
-            compared = f", ideal {amount(ideal, 'N m')}{unknown}" if ideal is not None else ""
-            yield (
-                f"{name}: largest torque"
-                f" {reaction(summary, f'{name}.torque.max', body['torque.max'])}{compared}"
-                f" ({summary['part']})"
+            compared = f"; ideal {amount(ideal, 'N m')}{unknown}" if ideal is not None else ""
+            measure = f"{name}.torque.max"
+            torque = (
+                torque_text(summary, measure)
+                if has_range(summary, measure)
+                else reaction(summary, measure, body["torque.max"])
             )
+            yield f"{name}: largest torque {torque} ({summary['part']}){compared}"
+
+
+def has_range(summary: Json, name: str) -> bool:
+    """Return whether a largest value is shown as a range, because it is uncertain."""
+    exact = summary["ranges"].get(name) is None or not is_estimated(summary, name)
+    if exact or is_about_zero(summary, name) or is_undetermined(summary, name):
+        return False
+    return uncertainty(summary, name) > CERTAIN * abs(float(summary["measures"][name]))
+
+
+def torque_text(summary: Json, name: str, unit: str = "N m") -> str:
+    """Return the largest torque or force of a driver, with the same range as in the sentence on what is
+    reliable.
+    """
+    if not has_range(summary, name):
+        return largest_of_turns(summary, name, unit)
+    bounds = summary["ranges"][name]
+    text = interval(bounds["low"], bounds["high"], unit, uncertainty(summary, name))
+    return over_turns(text, turns_text(summary, name, unit, CERTAIN))
 
 
 def actuator_facts(summary: Json) -> Iterator[tuple[str, str]]:
@@ -181,7 +207,7 @@ def actuator_facts(summary: Json) -> Iterator[tuple[str, str]]:
             word = "force" if actuator["unit"] == "N" else "torque"
             ideal = actuator["ideal"]
             compared = "" if ideal is None else f" (ideal {prefixed(ideal, actuator['unit'])})"
-            largest = largest_of_turns(summary, measure, actuator["unit"])
+            largest = torque_text(summary, measure, actuator["unit"])
             texts.append(f"largest {word} {largest}{compared}")
         yield name, ", ".join(texts)
 

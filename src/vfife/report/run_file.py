@@ -16,7 +16,7 @@ from . import dead_centres
 from .amounts import interval, percent
 from .digits import Json, is_about_zero, is_estimated, is_undetermined, plain_number, range_text, turns_text
 from .document import Caution, Document, Facts, Paragraph, Part, Table, grouped
-from .overview import certainty, heading_sentence, moment_texts, overview
+from .overview import cautions, certainty, heading_sentence, moment_texts, overview
 from .run_tables import force_text
 
 if TYPE_CHECKING:
@@ -204,6 +204,12 @@ def _span(since: float, until: float, places: int) -> str:
     return last if since == until else f"{first} to {last}"
 
 
+CHANGE_RANGE = (
+    "The ends of a change are the least and the largest difference of both ranges, in per cent of the value"
+    " of the first run."
+)
+
+
 def side_by_side(summaries: Mapping[str, Json]) -> Document:
     """Return a table of the largest force of each joint in several runs, and of moments that are not
     negligible.
@@ -232,9 +238,13 @@ def side_by_side(summaries: Mapping[str, Json]) -> Document:
         for k, text in enumerate((heading_sentence(summary), certainty(summary)))
     ]
     parts: list[Part] = [Facts(facts), table]
+    commands = [f"vfife info {name}" for name, summary in summaries.items() if any(cautions(summary))]
+    shown_by = f"Cautions: {', '.join(commands)}. " if commands else ""
     parts.append(
         Paragraph(
-            f"Cautions: vfife info {names[0]}. Figures of these runs in one: vfife plot {' '.join(names)}"
+            f"{CHANGE_RANGE} {shown_by}Figures of these runs in one: vfife plot {' '.join(names)}"
+            if any(" to " in cell for row in rows for cell in row[3::2])
+            else f"{shown_by}Figures of these runs in one: vfife plot {' '.join(names)}"
         )
     )
     return Document(parts, data={"runs": {name: _data(summary) for name, summary in summaries.items()}})

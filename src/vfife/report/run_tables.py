@@ -6,6 +6,7 @@ import dataclasses
 import math
 from collections.abc import Iterable, Iterator, Mapping
 
+from ..measures.catalogue import is_ideal_zero
 from ..measures.forces import MODES
 from ..measures.values import NOT_ESTIMATED
 from ..model.surfaces import surface_words
@@ -22,7 +23,6 @@ from .digits import (  # fmt: skip
     forces_of,
     is_about_zero,
     is_estimated,
-    is_ideal_zero,
     is_undetermined,
     largest_text,
     measure_text,
@@ -265,8 +265,9 @@ def _ideal_cells(summary: Json, name: str, ideal: float | None, values: Iterable
     """Return the value of the ideal mechanism, and by how many per cent clearances increase it; ``values``:
     those of its kind.
     """
-    zero = ideal is not None and is_ideal_zero(ideal, values)
-    return [ABOUT_ZERO if zero else amount(ideal, unit_of(f"{name}.max")), influence_text(summary, name)]
+    if ideal is not None and is_ideal_zero(ideal, values):
+        return [ABOUT_ZERO, ""]
+    return [amount(ideal, unit_of(f"{name}.max")), influence_text(summary, name)]
 
 
 def mean_text(summary: Json, name: str, unit: str, certain: float) -> str:
@@ -302,10 +303,11 @@ def force_text(summary: Json, name: str, unit: str = "N") -> str:
 
 def influence_text(summary: Json, name: str) -> str:
     """Return by how many per cent clearances increase a force or acceleration, as a range where two digits
-    are not known; "" if it is not single.
+    are not known; "" if it is not single, and for a force that the ideal mechanism has not.
     """
     influence, measure = summary["lip"].get(name), f"{name}.lip"
-    if influence is None:
+    ideal = summary["joints"].get(name.removesuffix(".force"), {}).get("ideal_force.max")
+    if influence is None or (ideal is not None and is_ideal_zero(ideal, forces_of(summary))):
         return ""
     single = percent(influence, uncertainty(summary, measure)) + estimate_mark(summary, measure)
     return wide_range(summary, measure, "%") or single

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from ..results.run_data import RunData
 
 MOST_MESHES = 2  # elastic bodies that a sentence names
+LEAST_DISTANCE = 5e-5  # of turns (1), below which digits say nothing
 UNCOMPARED = "the step does not divide a turn, so turns cannot be compared"
 
 
@@ -371,6 +372,6 @@ def alternation_words(decay: float, distance: float) -> str:
 
 def turn_distance(distance: float) -> str:
     """Return the distance of turns (1) as a percentage."""
-    if distance < 5e-5:
+    if distance < LEAST_DISTANCE:
         return "less than 0.01 %"
     return f"{100.0 * distance:.2g} %" if distance < 0.1 else f"{100.0 * distance:.0f} %"

@@ -148,7 +148,7 @@ def simulate(mechanism: Mechanism, **options: Unpack[SimulationOptions]) -> Resu
     smaller step with the given outputs
     file: a new run file that takes the outputs during the run, which then does not keep them in memory. After
     a kill it has all but the last quarter of a second, and :func:`vfife.resume` continues it with the same
-    bits; :func:`vfife.load` and ``vfife info`` read it
+    bits; :func:`vfife.load_result` and ``vfife info`` read it
 
     What to compute with:
 
@@ -203,7 +203,8 @@ def new_file(checks: Arguments, value: str | Path) -> Path:
     elif path.exists():
         remedy = "name another one, or remove it"
         if is_run_file(path):
-            remedy = f"go on with vfife.resume({str(value)!r}), or read it with vfife.load(); else {remedy}"
+            resumed = f"go on with vfife.resume({str(value)!r})"
+            remedy = f"{resumed}, or read it with vfife.load_result(); else {remedy}"
         checks.fault("file", "there is a file of this name", str(value), "a new file", remedy)
     return path
 

@@ -6,7 +6,18 @@ function friendly(name) {
   return words.length ? `${words.join(" ")}, ${section} ${noun}` : name;
 }
 
-const timesWords = (factor) => (factor === 1 ? "as in the model" : `${Number(factor.toPrecision(2))} times the model`);
+const timesWords = (factor) => (factor === 1 ? "as in the model" : `${Number(factor.toPrecision(3))} times the model`);
+
+// Positions of the slides at the factors of the model's values that all of them have; Python gives them the same factors to
+// twelve digits.
+function commonFactors(slides) {
+  const positionAt = ({ values, here }, factor) => values.findIndex((value) => Math.abs(value / values[here] / factor - 1) < 1e-9);
+  const [first] = slides;
+  return first.values
+    .map((value) => value / first.values[first.here])
+    .map((factor) => ({ factor, positions: slides.map((slide) => positionAt(slide, factor)) }))
+    .filter(({ factor, positions }) => factor > 0 && positions.every((position) => position >= 0));
+}
 
 class Sliders {
   constructor(place, changed) {
@@ -18,24 +29,19 @@ class Sliders {
     this.all = this.clearances.length > 1 && apart ? this.allRow(place) : null;
   }
 
-  // One slider for all clearances: its positions are factors of the model's values, those of the widest slider.
+  // One slider for all clearances: its positions are the factors of the model's values that every clearance has.
   allRow(place) {
-    const shares = this.clearances.map((s) => given.slides[s]).map(({ values, here }) => values.map((value) => value / values[here]));
-    const factors = shares.reduce((best, list) => (list.at(-1) > best.at(-1) ? list : best));
+    this.common = commonFactors(this.clearances.map((s) => given.slides[s]));
+    if (this.common.length < 2) return null;
+    const factors = this.common.map(({ factor }) => factor);
     const slide = { name: "all clearances", paths: [], unit: "1", values: factors, here: factors.indexOf(1), labels: factors.map(timesWords) };
-    const row = this.row(place, slide, "all", (position) => this.moveAll(factors[position]));
+    const row = this.row(place, slide, "all", (position) => this.moveAll(this.common[position].positions));
     place.prepend(row.input.parentElement);
     return row;
   }
 
-  // Move each clearance to its position nearest to a multiple of the model's value.
-  moveAll(factor) {
-    const setting = this.clearances.reduce((moved, s) => {
-      const { values, here } = given.slides[s];
-      const away = values.map((value) => Math.abs(value - factor * values[here]));
-      return moved.with(s, away.indexOf(Math.min(...away)));
-    }, this.setting);
-    this.take(setting);
+  moveAll(positions) {
+    this.take(this.clearances.reduce((moved, s, k) => moved.with(s, positions[k]), this.setting));
   }
 
   row(place, slide, s, moved = (position) => this.move(s, position)) {
@@ -74,16 +80,17 @@ class Sliders {
     this.take(this.setting.with(s, position));
   }
 
-  // Position of the slider for all clearances: the factor nearest to that of the clearance that differs most from the model.
-  sharedPosition() {
-    const { values } = this.all.slide;
-    const logarithms = this.clearances.map((s) => {
-      const slide = given.slides[s];
-      return Math.log(slide.values[this.setting.positions[s]] / slide.values[slide.here]);
-    });
-    const largest = logarithms.reduce((a, b) => (Math.abs(b) > Math.abs(a) ? b : a));
-    const away = values.map((value) => Math.abs(Math.log(value) - largest));
-    return away.indexOf(Math.min(...away));
+  // Show the common factor of all clearances, or that they have none.
+  tellAll() {
+    const position = this.common.findIndex(({ positions }) => positions.every((at, k) => at === this.setting.positions[this.clearances[k]]));
+    if (position >= 0) {
+      this.tell(this.all, position);
+      return;
+    }
+    const { input, output, back } = this.all;
+    output.textContent = "no common factor";
+    input.setAttribute("aria-valuetext", output.textContent);
+    back.disabled = false;
   }
 
   take(setting) {
@@ -91,7 +98,7 @@ class Sliders {
     this.inputs.forEach((slider, s) => {
       this.tell(slider, setting.positions[s]);
     });
-    if (this.all) this.tell(this.all, this.sharedPosition());
+    if (this.all) this.tellAll();
     this.changed(setting);
   }
 }

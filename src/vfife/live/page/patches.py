@@ -40,7 +40,7 @@ from ...simulation.start import expected_forces
 from ...solvers.arguments import RunArguments
 from .page_model import PageModel, page_model, refuse_unfit, step_dividing_turn
 from .payload import base64_of
-from .sliders import POSITIONS, Slide
+from .sliders import POSITIONS, Slide, kept_positions, with_positions
 
 Array = NDArray[np.float64]
 Slides: TypeAlias = tuple[Slide, ...]
@@ -312,12 +312,6 @@ def usable_positions(assembler: Assembler, slides: Sequence[Slide]) -> tuple[Sli
     return tuple(usable), notes
 
 
-def with_positions(slide: Slide, positions: Sequence[int]) -> Slide:
-    """Return a slider with some of its positions, including the model's own."""
-    values = tuple(slide.values[k] for k in positions)
-    return replace(slide, values=values, here=values.index(slide.values[slide.here]))
-
-
 def changed_bits(first: Array, second: Array) -> NDArray[np.bool_]:
     """Return where two vectors differ in any bit; -0.0 and 0.0 differ."""
     return np.asarray(first.view(np.uint64) != second.view(np.uint64))
@@ -412,14 +406,8 @@ def fewer_positions(slides: Slides, groups: Sequence[tuple[int, ...]]) -> Slides
             else POSITIONS + 1
         )
         for s in sliders:
-            count = len(thinned[s].values)
-            if count > limit and not (thinned[s].complete and len(sliders) == 1):
-                # The model's own position must remain: it is the setting with which the page starts, and the
-                # base of all patches.
-                positions = {round(k * (count - 1) / (limit - 1)) for k in range(limit)}
-                model_position = thinned[s].here
-                *_, nearest = min((abs(k - model_position), -k, k) for k in positions)
-                thinned[s] = with_positions(thinned[s], sorted({*(positions - {nearest}), model_position}))
+            if len(thinned[s].values) > limit and not (thinned[s].complete and len(sliders) == 1):
+                thinned[s] = with_positions(thinned[s], kept_positions(thinned[s], limit))
     return tuple(thinned)
 
 

@@ -162,8 +162,8 @@ def over_cases(study: Study, picked: list[StudyCase]) -> Slide:
         tuple(float(k) for k in range(len(picked))),
         0,
         True,
-        tuple(case.numbers for case in picked),
-        words,
+        picked=tuple(case.numbers for case in picked),
+        words=words,
     )
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ...errors import shown
@@ -19,12 +19,14 @@ SHARES = {"clearance": (0.1, 2.5), "speed": (0.5, 1.25), "coefficient": (0.0, 2.
 # A clearance may reach that of a worn pin (m), but not a larger share of the bearing's radius.
 LARGEST_CLEARANCE, SHARE_OF_RADIUS = 2e-4, 0.05
 RESTITUTION = (0.4, 0.95)
+NEAR = 1.02  # ratio of two factors of which one position is enough
 
 
 @dataclass(frozen=True)
 class Slide:
     """A slider: its name, the ``paths`` that it sets, their unit, its values, and ``here``, the position of
-    the model's own value. A ``complete`` slider keeps all its values if it belongs to no group.
+    the model's own value. A ``complete`` slider keeps all its values if it belongs to no group. The values in
+    ``common`` are at factors of the model's value that other sliders have, too.
     """
 
     name: str
@@ -33,6 +35,7 @@ class Slide:
     values: tuple[float, ...]
     here: int
     complete: bool = False
+    common: tuple[float, ...] = ()
 
     @property
     def labels(self) -> tuple[str, ...]:
@@ -73,7 +76,7 @@ def default_slides(mechanism: Mechanism) -> list[Slide]:
             slides.append(
                 slider(name, tuple(paths), "1", min(low, value), max(high, value), value) if value else None
             )
-    return [slide for slide in slides if slide is not None]
+    return common_clearances([slide for slide in slides if slide is not None])
 
 
 def clearance_shares(joint: Any) -> tuple[float, float]:
@@ -108,7 +111,31 @@ def parse_slides(mechanism: Mechanism, texts: Iterable[str], option: str = "--sl
         )
         value = number_at(mechanism, bounds.path)[0]
         slides.append(slider(bounds.path, (bounds.path,), bounds.unit, bounds.low, bounds.high, value))
-    return slides
+    return common_clearances(slides)
+
+
+def common_clearances(slides: list[Slide]) -> list[Slide]:
+    """Return sliders in which all clearances have positions at the same factors of the model's values, where
+    their ranges overlap, so that one slider can multiply them all; other positions remain outside of that.
+    """
+    shared = [slide for slide in slides if all(path.endswith(".clearance") for path in slide.paths)]
+    if len(shared) < 2 or not all(slide.values[slide.here] for slide in shared):
+        return slides
+    low = max(slide.values[0] / slide.values[slide.here] for slide in shared)
+    high = min(slide.values[-1] / slide.values[slide.here] for slide in shared)
+    inner = slider("", (), "1", low, high, 1.0).values
+    factors = sorted({low, high, 1.0, *(factor for factor in inner if low * NEAR < factor < high / NEAR)})
+    return [with_factors(slide, factors) if slide in shared else slide for slide in slides]
+
+
+def with_factors(slide: Slide, factors: Sequence[float]) -> Slide:
+    """Return a slider with positions at factors of the model's value, and its own outside of their range."""
+    own = slide.values[slide.here]
+    # Twelve digits keep 0.1 x 20 um from being 2.0000000000000003e-06 in the model file.
+    common = tuple(own if factor == 1.0 else float(f"{factor * own:.12g}") for factor in factors)
+    others = [value for value in slide.values if not common[0] <= value <= common[-1]]
+    values = tuple(sorted([*common, *others]))
+    return replace(slide, values=values, here=values.index(own), complete=True, common=common)
 
 
 def slider(name: str, paths: tuple[str, ...], unit: str, low: float, high: float, own_value: float) -> Slide:
@@ -122,6 +149,40 @@ def slider(name: str, paths: tuple[str, ...], unit: str, low: float, high: float
     gap = min((abs(a - b) for a, b in zip(values, values[1:], strict=False)), default=0.0)
     values = sorted({own_value, *(value for value in values if abs(value - own_value) > 0.3 * gap)})
     return Slide(name, paths, unit, tuple(values), values.index(own_value))
+
+
+def with_positions(slide: Slide, positions: Sequence[int]) -> Slide:
+    """Return a slider with some of its positions, including the model's own."""
+    values = tuple(slide.values[k] for k in positions)
+    common = tuple(value for value in slide.common if value in values)
+    return replace(slide, values=values, here=values.index(slide.values[slide.here]), common=common)
+
+
+def kept_positions(slide: Slide, limit: int) -> list[int]:
+    """Return ``limit`` positions of a slider, including the model's own. A quarter of those of a slider
+    that shares factors with others, at least two, are not at such factors.
+    """
+    shared = [k for k, value in enumerate(slide.values) if value in slide.common]
+    if not shared:
+        return spaced(range(len(slide.values)), limit, slide.here)
+    others = sorted({*range(len(slide.values))} - {*shared})
+    room = max(2, limit // 4)
+    return sorted([*spaced(shared, limit - room, slide.here), *spaced(others, room)])
+
+
+def spaced(positions: Sequence[int], limit: int, own: int | None = None) -> list[int]:
+    """Return at most ``limit`` positions, evenly spaced by their number; ``own`` replaces the nearest one."""
+    count = len(positions)
+    if count <= limit or limit < 2:
+        return [*positions] if count <= limit else []
+    places = {round(k * (count - 1) / (limit - 1)) for k in range(limit)}
+    if own is not None:
+        # The model's own position must remain: it is the setting with which the page starts, and the base of
+        # all patches.
+        place = positions.index(own)
+        *_, nearest = min((abs(k - place), -k, k) for k in places)
+        places = (places - {nearest}) | {place}
+    return [positions[k] for k in sorted(places)]
 
 
 def number_at(mechanism: Mechanism, path: str) -> tuple[float, str]:

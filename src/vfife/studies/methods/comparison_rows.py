@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from ...measures.catalogue import is_ideal_zero
 from ...measures.values import Measured
 from ...simulation.result import Result
 
@@ -19,9 +20,10 @@ def row_of(result: Result, joints: Sequence[str]) -> dict[str, Any]:
         numbers: dict[str, Measured | None] = {
             key: measures[f"{name}.{key}"] for key in PER_JOINT if f"{name}.{key}" in measures
         }
-        by_joint[name] = {**numbers, "lip_force": measures.get(f"{name}.force.lip")}
+        by_joint[name] = {**numbers, "lip_force": influence_on(result, f"{name}.force")}
     ledger, rows = result.ledger, by_joint.values()
-    accelerations = [value for key, value in measures.items() if key.endswith(".angular_acceleration.lip")]
+    bodies = [key.removesuffix(".lip") for key in measures if key.endswith(".angular_acceleration.lip")]
+    accelerations = [value for body in bodies if (value := influence_on(result, body)) is not None]
     forces = [row["lip_force"] for row in rows if row["lip_force"] is not None]
     shares = [row["share.continuous_contact"] for row in rows]
     numbers = {
@@ -44,6 +46,17 @@ def row_of(result: Result, joints: Sequence[str]) -> dict[str, Any]:
         "wall_s": result.record.wall,
         "joints": {name: with_ranges(numbers) for name, numbers in by_joint.items()},
     }
+
+
+def influence_on(result: Result, name: str) -> Measured | None:
+    """Return the influence of clearances on a force or acceleration; None without one, and where that of the
+    ideal mechanism is rounding.
+    """
+    measures, ideal = result.measures, result.reference.measures if result.reference else {}
+    ending = f".{name.rpartition('.')[2]}.max"
+    sizes = [value for numbers in (measures, ideal) for key, value in numbers.items() if key.endswith(ending)]
+    zero = is_ideal_zero(ideal.get(f"{name}.max", 0.0), sizes)
+    return None if zero else measures.get(f"{name}.lip")
 
 
 def over_joints(function: Callable[[Sequence[float]], float], values: Sequence[Measured]) -> Measured | None:
