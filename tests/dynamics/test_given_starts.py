@@ -57,7 +57,7 @@ def test_a_misfit_is_that_of_the_turned_crank():
     """At a quarter turn the yoke rests."""
     states = StartStates(on_yoke(), 1000)
     [misfit] = states.misfits({"start.crank": math.pi / 2.0, "body.rod.velocity.0": 0.3})
-    assert np.abs(misfit.actual).max() < 1e-9 and misfit.given == (0.3, 0.0)
+    assert np.abs(misfit.actual).max() < 1e-9 and misfit.target == (0.3, 0.0)
     assert states.misfits({"start.crank": 0.0, "body.rod.velocity.0": 0.3}) == ()
 
 

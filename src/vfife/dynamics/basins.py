@@ -268,13 +268,13 @@ class Basins(CheckedMap):
         states, axes = StartStates(loads(spec.model), spec.steps), (spec.x, spec.y)
         cases = [len(spec.x) * row + column for row in thirds(spec.y) for column in thirds(spec.x)]
         spans = {path: max(axis) - min(axis) for path, axis in zip(spec.paths, axes, strict=True)}
-        found = [
+        misfits = [
             misfit
             for case in cases
             for misfit in states.misfits(spec.numbers(case))
             if misfit.size > MISFIT * max(spans.get(path, 0.0) for path in misfit.paths)
         ]
-        return max(found, key=lambda misfit: misfit.size, default=None)
+        return max(misfits, key=lambda misfit: misfit.size, default=None)
 
     def kind_of(self, case: Companion) -> str:
         """Return the kind of the motion that a companion's case reached; empty if it is not computed."""

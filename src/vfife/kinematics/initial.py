@@ -27,7 +27,7 @@ from .forces import Applied, Datum, Instant, applied, constant_forces, driven_bo
 from .guess import first_guesses
 from .mobility import Mobility, mobility
 from .rows import measured
-from .solve import Accelerations, ClosedSystems, accelerations, close_all, velocities, with_rates
+from .solve import Accelerations, ClosedSystems, Velocities, accelerations, close_all, velocities, with_rates
 from .start import Misfit, Seat, Start, StartState, handedness, starts_of
 from .system import RigidSystem, alike, mirrored
 
@@ -420,16 +420,7 @@ def motions(
         wish = flip * [start.wish(at) for start, at in zip(group, position, strict=True)]
         closed_systems = ClosedSystems.of(systems, place)
         moving = velocities(closed_systems, wish)
-        kept = [
-            start.rates_to_keep(at, velocity) if start.rates else {}
-            for start, at, velocity in zip(group, position, moving.velocity * flip, strict=True)
-        ]
-        if any(kept):
-            signed = [
-                {row: start.hand * rate for row, rate in rates.items()}
-                for start, rates in zip(group, kept, strict=True)
-            ]
-            moving = with_rates(closed_systems, moving, signed)
+        moving = _with_rates(group, closed_systems, position, moving)
         speeds = moving.velocity * flip
         instants = [
             Instant(start.mechanism, start.system.names, at, speed, start.time)
@@ -450,6 +441,19 @@ def motions(
             fault = moving.faults[i] or solved.faults[i]
             result[closed[k]] = fault or _motion(group[i], instants[i], pushed[i], solved, i, finite[i])
     return result
+
+
+def _with_rates(
+    group: Sequence[Start], closed: ClosedSystems, position: Sequence[Array], nearest: Velocities
+) -> Velocities:
+    """Return the ``nearest`` velocities, with given rates where joints move the origins of their bodies;
+    ``position`` [n, 3] of each is not mirrored.
+    """
+    rates: list[dict[int, float]] = []
+    for start, at, velocity in zip(group, position, nearest.velocity, strict=True):
+        targets = start.rates_to_keep(at, velocity * start.flip) if start.rates else {}
+        rates.append({row: start.hand * rate for row, rate in targets.items()})
+    return with_rates(closed, nearest, rates) if any(rates) else nearest
 
 
 def _motion(

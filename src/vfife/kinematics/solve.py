@@ -124,7 +124,9 @@ def velocities(closed: ClosedSystems, wish: Array) -> Velocities:
     )
 
 
-def with_rates(closed: ClosedSystems, found: Velocities, rates: Sequence[Mapping[int, float]]) -> Velocities:
+def with_rates(
+    closed: ClosedSystems, nearest: Velocities, rates: Sequence[Mapping[int, float]]
+) -> Velocities:
     """Return the velocities with the given ``rates`` (rad/s) of each case by row, as far as joints and drives
     permit.
 
@@ -132,24 +134,24 @@ def with_rates(closed: ClosedSystems, found: Velocities, rates: Sequence[Mapping
     motions with these rates, the one nearest to the wish. Of rates that contradict each other the first
     holds. A case without rates keeps its bits.
     """
-    velocity = found.velocity.copy()
-    for k, given in enumerate(rates):
-        if not given or found.faults[k] is not None:
+    velocity = nearest.velocity.copy()
+    for k, targets in enumerate(rates):
+        if not targets or nearest.faults[k] is not None:
             continue
         # Alone, as in a batch, so that other cases do not change its bits.
         system = ClosedSystems.of([closed.systems[k]], closed.positions[k : k + 1])
         answers: list[tuple[int, Array]] = []
-        for row, rate in given.items():
+        for row, rate in targets.items():
             impulse = np.zeros_like(velocity[k : k + 1])
             impulse[0, row, 2] = 1.0
-            nearest = _nearest(system, np.zeros_like(system.rows.rate()), flat(impulse) * system.lengths)
-            answer = of_bodies(nearest.motion / system.lengths)[0]
+            turning = _nearest(system, np.zeros_like(system.rows.rate()), flat(impulse) * system.lengths)
+            answer = of_bodies(turning.motion / system.lengths)[0]
             for earlier, former in answers:  # so that the rates before it stay
                 answer = answer - former * (answer[earlier, 2] / former[earlier, 2])
             if answer[row, 2] > RANK_TOLERANCE:
                 answers.append((row, answer))
                 velocity[k] += answer * ((rate - velocity[k, row, 2]) / answer[row, 2])
-    return found._replace(velocity=velocity)
+    return nearest._replace(velocity=velocity)
 
 
 class Accelerations(NamedTuple):

@@ -29,36 +29,36 @@ MISFIT = 0.01  # of a given velocity, by which a run has to start with another o
 
 @dataclass(frozen=True)
 class Misfit:
-    """A ``given`` velocity of a ``body``'s origin (m/s, two numbers) or its rate (rad/s, one number), and the
-    ``actual`` one with which a run starts.
+    """The ``target`` that a model gives a ``body``, velocity of its origin (m/s, two numbers) or rate (rad/s,
+    one), and the ``actual`` one with which a run starts.
     """
 
     body: str
-    given: tuple[float, ...]
+    target: tuple[float, ...]
     actual: tuple[float, ...]
 
     @property
     def size(self) -> float:
         """Distance of the two (m/s or rad/s)."""
-        return float(norm(np.subtract(self.actual, self.given)))
+        return float(norm(np.subtract(self.actual, self.target)))
 
     @property
     def paths(self) -> tuple[str, ...]:
         """Paths of the given numbers."""
-        columns = (2,) if len(self.given) == 1 else (0, 1)
+        columns = (2,) if len(self.target) == 1 else (0, 1)
         return tuple(f"body.{self.body}.velocity.{column}" for column in columns)
 
     @property
     def fact(self) -> str:
         """What differs, as in "rod starts with 4.2 rad/s instead of 6 rad/s"."""
-        scale = ROUND_OFF * max(map(abs, (*self.given, *self.actual)))
-        actual, given = (
+        scale = ROUND_OFF * max(map(abs, (*self.target, *self.actual)))
+        actual, target = (
             ", ".join(f"{value if abs(value) > scale else 0.0:.4g}" for value in values)
-            for values in (self.actual, self.given)
+            for values in (self.actual, self.target)
         )
-        if len(self.given) == 1:
-            return f"{self.body} starts with {actual} rad/s instead of {given} rad/s"
-        return f"the origin of {self.body} starts with ({actual}) m/s instead of ({given}) m/s"
+        if len(self.target) == 1:
+            return f"{self.body} starts with {actual} rad/s instead of {target} rad/s"
+        return f"the origin of {self.body} starts with ({actual}) m/s instead of ({target}) m/s"
 
     @property
     def text(self) -> str:
@@ -66,10 +66,10 @@ class Misfit:
         remedy = (
             "joints, drivers and the velocities of other bodies (0 where none is given) do not permit it;"
             " give the bodies that it moves velocities that fit."
-            if len(self.given) == 1
+            if len(self.target) == 1
             else "joints and drivers do not permit that; give its origin the velocity of its pin."
         )
-        return f"{self.fact[:1].upper() if len(self.given) > 1 else self.fact[:1]}{self.fact[1:]}: {remedy}"
+        return f"{self.fact[:1].upper() if len(self.target) > 1 else self.fact[:1]}{self.fact[1:]}: {remedy}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,11 +186,11 @@ class Start:
         """
         fastest = float(np.abs(velocity).max(initial=0.0))
         for name in self.launched:
-            row, given = self.system.names.index(name), self.mechanism.bodies[name].velocity
-            off = norm(self.origin_velocity(name, position, velocity) - given[:2])
+            row, target = self.system.names.index(name), self.mechanism.bodies[name].velocity
+            off = norm(self.origin_velocity(name, position, velocity) - target[:2])
             if row in self.rates and off > ROUND_OFF * fastest:
-                turning = max(float(np.abs(velocity[:, 2]).max()), abs(given[2]))
-                if abs(velocity[row, 2] - given[2]) > ROUND_OFF * turning:
+                turning = max(float(np.abs(velocity[:, 2]).max()), abs(target[2]))
+                if abs(velocity[row, 2] - target[2]) > ROUND_OFF * turning:
                     return self.rates
         return {}
 
@@ -198,7 +198,7 @@ class Start:
         """Velocities that are given, but not those [n, 3] with which centres of mass start at a position [n,
         3].
         """
-        result, least = [], ROUND_OFF * float(np.abs(velocity).max(initial=0.0))
+        result, floor = [], ROUND_OFF * float(np.abs(velocity).max(initial=0.0))
         for name in self.launched:
             row, (vx, vy, rate) = self.system.names.index(name), self.mechanism.bodies[name].velocity
             if row in self.rates:
@@ -207,7 +207,7 @@ class Start:
                 x, y = self.origin_velocity(name, position, velocity).tolist()
                 result.append(Misfit(name, (vx, vy), (x, y)))
         return tuple(
-            misfit for misfit in result if misfit.size > max(MISFIT * norm(np.array(misfit.given)), least)
+            misfit for misfit in result if misfit.size > max(MISFIT * norm(np.array(misfit.target)), floor)
         )
 
     def add_inertial(self, instant: Instant, force: Array) -> None:
