@@ -319,6 +319,7 @@ def finished(
     usual = shared_notes("surfaces", (mechanism.joints, *materials), lambda: cautions(mechanism))
     strange = shared_notes("loads", (mechanism.loads,), lambda: _load_cautions(mechanism))
     notes = usual + contradictions(mechanism) + strange + missed(mechanism, choice, layout, state)
+    notes += tuple(misfit.text for misfit in draft.motion.misfits)
     notes += gear_cautions(mechanism.gears) + outside_tables(mechanism, choice)
     if not choice.automatic:
         length = length_of(mechanism, request.turns, request.duration, choice.turn)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import Fault, ModelError
+from ..kinematics.start import MISFIT, Misfit
 from ..measures.attractors import (
     Attractor,
     attractors,
@@ -26,7 +27,7 @@ from ..measures.attractors import (
 )
 from ..measures.chaos import CHAOTIC, TEST_POINTS, UNDECIDED, Verdict, exponent, verdict
 from ..model.mechanism import Mechanism
-from ..modelfile import dump
+from ..modelfile import dump, loads
 from ..options import with_options
 from ..simulation.turn_steps import refuse_large_frame
 from ..solvers.arguments import Arguments
@@ -258,6 +259,23 @@ class Basins(CheckedMap):
             labels[list(attractor.members)] = k
         return labels.reshape(len(self.spec.y), len(self.spec.x))
 
+    @cached_property
+    def misfit(self) -> Misfit | None:
+        """Of the corners, the middles of edges and the middle of the grid: the given velocity that differs
+        most from that of the run, by more than 1 % of itself and of its axis.
+        """
+        spec = self.spec
+        states, axes = StartStates(loads(spec.model), spec.steps), (spec.x, spec.y)
+        cases = [len(spec.x) * row + column for row in thirds(spec.y) for column in thirds(spec.x)]
+        spans = {path: max(axis) - min(axis) for path, axis in zip(spec.paths, axes, strict=True)}
+        misfits = [
+            misfit
+            for case in cases
+            for misfit in states.misfits(spec.numbers(case))
+            if misfit.size > MISFIT * max(spans.get(path, 0.0) for path in misfit.paths)
+        ]
+        return max(misfits, key=lambda misfit: misfit.size, default=None)
+
     def kind_of(self, case: Companion) -> str:
         """Return the kind of the motion that a companion's case reached; empty if it is not computed."""
         return self.reached(case.number).kind if case.number in self.verdicts else ""
@@ -294,6 +312,11 @@ class Basins(CheckedMap):
             value = "" if motion.exponent is None else finite(motion.exponent.value)
             numbers = self.spec.numbers(case).values()
             yield [*numbers, int(labels[case]) + 1, motion.kind, value, *self.points[case][-1].tolist()]
+
+
+def thirds(values: Sequence[float]) -> list[int]:
+    """Return the first, the middle and the last index of some values, each once."""
+    return sorted({0, len(values) // 2, len(values) - 1})
 
 
 Axis = tuple[str, float | str, float | str]  # path of a number, its lowest and its highest value

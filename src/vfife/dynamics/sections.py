@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Unpack
 
@@ -15,9 +15,11 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..files import write_rows
+from ..kinematics.initial import ideal_motion
+from ..kinematics.start import Misfit
 from ..measures.chaos import Exponent, Verdict, exponent, verdict
 from ..model.mechanism import Mechanism
-from ..modelfile import dump
+from ..modelfile import dump, loads
 from ..options import with_options
 from ..simulation.turn_steps import refuse_large_frame, with_steps
 from ..solvers.arguments import Arguments
@@ -121,6 +123,12 @@ class PoincareSection(Map):
         """Kind of the motion, with the evidence."""
         points = np.stack(list(self.points.values()), axis=1)
         return verdict(points, self.exponent, ranges=partial(motion_ranges, self.spec, points))
+
+    @cached_property
+    def misfit(self) -> Misfit | None:
+        """The given velocity that differs most from that of the run."""
+        misfits = ideal_motion(loads(self.spec.model)).misfits
+        return max(misfits, key=lambda misfit: misfit.size, default=None)
 
     def plot(self) -> Figure:
         """Return a figure of the points once a turn, the convergence of the exponent, and contact onsets."""

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from ..assembly.assemble import assemble
 from ..assembly.assembled import Assembly
-from ..errors import Fault, ModelError, shown, suggestion
+from ..errors import Fault, ModelError, VfifeError, shown, suggestion
 from ..kinematics.initial import ideal_motion
-from ..kinematics.start import Seat, StartState
+from ..kinematics.start import Misfit, Seat, StartState
 from ..model.functions import bodies_at_rest, turn_of
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
@@ -37,6 +37,9 @@ DIFFERENCE = 1e-4
 # Largest angle (rad) by which the crank is turned between two solved positions, so that Newton's method stays
 # on the branch on which the mechanism was assembled.
 LARGEST_TURN = math.pi / 18.0
+# Stands for a rate of zero (rad/s) on an axis, which is given; the zero of a model is the default, and joints
+# may change that.
+NO_RATE = 1e-200
 
 
 def start_numbers(mechanism: Mechanism, text: str) -> dict[str, float]:
@@ -169,13 +172,7 @@ class StartStates:
 
         Raises VfifeError where there is no such start, for example with a journal outside its bearing.
         """
-        of_start = {
-            path: value
-            for path, value in numbers.items()
-            if path.startswith("start.") and path.rpartition(".")[2] in (*AXES, "crank")
-        }
-        of_model = [(path, value) for path, value in numbers.items() if path not in of_start]
-        model = loads(self.text, set=of_model) if of_model else self.mechanism
+        of_start, of_model, model = self.parted(numbers)
         if not of_start:
             return with_steps(model, self.steps)
         turn = turn_of(model) or 0.0
@@ -194,6 +191,36 @@ class StartStates:
             velocity = velocity + self.own_velocity(model, time, ideal_position, bodies_of(model, of_start))
         motion = StartState(at_start, velocity, frozenset(model.bodies))
         return assemble(model, turn / self.steps, turns=1, outputs=1, force_step=True, start_state=motion)
+
+    def parted(
+        self, numbers: Mapping[str, float]
+    ) -> tuple[dict[str, float], list[tuple[str, float]], Mechanism]:
+        """Return the numbers of the start, those of the model, and the model with these."""
+        of_start = {
+            path: value
+            for path, value in numbers.items()
+            if path.startswith("start.") and path.rpartition(".")[2] in (*AXES, "crank")
+        }
+        of_model = [
+            (path, value or NO_RATE if path.startswith("body.") and path.endswith(".velocity.2") else value)
+            for path, value in numbers.items()
+            if path not in of_start
+        ]
+        return of_start, of_model, loads(self.text, set=of_model) if of_model else self.mechanism
+
+    def misfits(self, numbers: Mapping[str, float]) -> tuple[Misfit, ...]:
+        """Return the velocities given at a start with these ``numbers`` that are not those of the run; none
+        where there is no start.
+        """
+        try:
+            of_start, of_model, model = self.parted(numbers)
+            time = of_start.get(CRANK, 0.0) / (2.0 * math.pi) * (turn_of(model) or 0.0)
+            guess = self.turned(model, time, is_changed=bool(of_model)) if time else None
+            motion = ideal_motion(model, time, guess)
+        except VfifeError:
+            return ()
+        unchanged = bodies_of(model, of_start)
+        return tuple(misfit for misfit in motion.misfits if misfit.body not in unchanged)
 
     def journals(
         self, model: Mechanism, of_start: Mapping[str, float]

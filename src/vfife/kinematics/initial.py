@@ -27,8 +27,8 @@ from .forces import Applied, Datum, Instant, applied, constant_forces, driven_bo
 from .guess import first_guesses
 from .mobility import Mobility, mobility
 from .rows import measured
-from .solve import Accelerations, ClosedSystems, accelerations, close_all, velocities
-from .start import Seat, Start, StartState, handedness, starts_of
+from .solve import Accelerations, ClosedSystems, Velocities, accelerations, close_all, velocities, with_rates
+from .start import Misfit, Seat, Start, StartState, handedness, starts_of
 from .system import RigidSystem, alike, mirrored
 
 Array = NDArray[np.float64]
@@ -45,7 +45,8 @@ class Motion:
     the driver's name. ``datum``: where travels and springs count from; ``applied``: loads, torques and
     springs at work. ``system`` is in the mirror image in which it was solved, as is the ``guess``.
     ``independent``: whether no row of its constraints is known to depend on others; ``finite``: whether all
-    of its places, velocities and accelerations are known to be finite.
+    of its places, velocities and accelerations are known to be finite. ``misfits``: velocities given in the
+    model that are not those of the motion.
     """
 
     names: tuple[str, ...]
@@ -62,6 +63,7 @@ class Motion:
     guess: Array | None = None
     independent: bool = False
     finite: bool = False
+    misfits: tuple[Misfit, ...] = ()
 
     def solves(self, system: RigidSystem, guess: Array) -> bool:
         """Whether equations and first guess (in the solved mirror image) are those that this motion was
@@ -418,6 +420,7 @@ def motions(
         wish = flip * [start.wish(at) for start, at in zip(group, position, strict=True)]
         closed_systems = ClosedSystems.of(systems, place)
         moving = velocities(closed_systems, wish)
+        moving = _with_rates(group, closed_systems, position, moving)
         speeds = moving.velocity * flip
         instants = [
             Instant(start.mechanism, start.system.names, at, speed, start.time)
@@ -440,6 +443,19 @@ def motions(
     return result
 
 
+def _with_rates(
+    group: Sequence[Start], closed: ClosedSystems, position: Sequence[Array], nearest: Velocities
+) -> Velocities:
+    """Return the ``nearest`` velocities, with given rates where joints move the origins of their bodies;
+    ``position`` [n, 3] of each is not mirrored.
+    """
+    rates: list[dict[int, float]] = []
+    for start, at, velocity in zip(group, position, nearest.velocity, strict=True):
+        targets = start.rates_to_keep(at, velocity * start.flip) if start.rates else {}
+        rates.append({row: start.hand * rate for row, rate in targets.items()})
+    return with_rates(closed, nearest, rates) if any(rates) else nearest
+
+
 def _motion(
     start: Start, instant: Instant, pushed: tuple[Applied, ...], solved: Accelerations, i: int, finite: bool
 ) -> Motion:
@@ -457,4 +473,5 @@ def _motion(
         torque, start.datum, pushed, start.images[0], start.hand,
         start.mechanism if start.plain else None, start.guess * start.flip if start.plain else None,
         bool(solved.independent[i]) and start.moving is start.system, finite,
+        start.misfits(instant.position, instant.velocity),
     )  # fmt: skip

@@ -13,7 +13,7 @@ cannot be satisfied becomes an error that names the joints.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -122,6 +122,36 @@ def velocities(closed: ClosedSystems, wish: Array) -> Velocities:
     return Velocities(
         of_bodies(nearest.motion / closed.lengths), _faults(closed.systems, nearest, "velocity")
     )
+
+
+def with_rates(
+    closed: ClosedSystems, nearest: Velocities, rates: Sequence[Mapping[int, float]]
+) -> Velocities:
+    """Return the velocities with the given ``rates`` (rad/s) of each case by row, as far as joints and drives
+    permit.
+
+    A torque impulse on each of these bodies turns it as given and moves the others as joints have it: of all
+    motions with these rates, the one nearest to the wish. Of rates that contradict each other the first
+    holds. A case without rates keeps its bits.
+    """
+    velocity = nearest.velocity.copy()
+    for k, targets in enumerate(rates):
+        if not targets or nearest.faults[k] is not None:
+            continue
+        # Alone, as in a batch, so that other cases do not change its bits.
+        system = ClosedSystems.of([closed.systems[k]], closed.positions[k : k + 1])
+        answers: list[tuple[int, Array]] = []
+        for row, rate in targets.items():
+            impulse = np.zeros_like(velocity[k : k + 1])
+            impulse[0, row, 2] = 1.0
+            turning = _nearest(system, np.zeros_like(system.rows.rate()), flat(impulse) * system.lengths)
+            answer = of_bodies(turning.motion / system.lengths)[0]
+            for earlier, former in answers:  # so that the rates before it stay
+                answer = answer - former * (answer[earlier, 2] / former[earlier, 2])
+            if answer[row, 2] > RANK_TOLERANCE:
+                answers.append((row, answer))
+                velocity[k] += answer * ((rate - velocity[k, row, 2]) / answer[row, 2])
+    return nearest._replace(velocity=velocity)
 
 
 class Accelerations(NamedTuple):

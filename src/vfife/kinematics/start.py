@@ -13,16 +13,63 @@ from numpy.typing import NDArray
 
 from ..model.bodies import Point
 from ..model.mechanism import Mechanism
-from ..numerics.dense import product
+from ..numerics.dense import norm, product
 from ..numerics.elementwise import sincos
 from .batch import Batch
-from .drives import rigid_systems
+from .drives import rigid_systems, spinless
 from .forces import Datum, Instant
 from .guess import first_guesses
 from .pins import centred
 from .system import RigidSystem, mirrored
 
 Array = NDArray[np.float64]
+ROUND_OFF = 1e-9  # of the fastest velocity
+MISFIT = 0.01  # of a given velocity, by which a run has to start with another one to be said so
+
+
+@dataclass(frozen=True)
+class Misfit:
+    """The ``target`` that a model gives a ``body``, velocity of its origin (m/s, two numbers) or rate (rad/s,
+    one), and the ``actual`` one with which a run starts.
+    """
+
+    body: str
+    target: tuple[float, ...]
+    actual: tuple[float, ...]
+
+    @property
+    def size(self) -> float:
+        """Distance of the two (m/s or rad/s)."""
+        return float(norm(np.subtract(self.actual, self.target)))
+
+    @property
+    def paths(self) -> tuple[str, ...]:
+        """Paths of the given numbers."""
+        columns = (2,) if len(self.target) == 1 else (0, 1)
+        return tuple(f"body.{self.body}.velocity.{column}" for column in columns)
+
+    @property
+    def fact(self) -> str:
+        """What differs, as in "rod starts with 4.2 rad/s instead of 6 rad/s"."""
+        scale = ROUND_OFF * max(map(abs, (*self.target, *self.actual)))
+        actual, target = (
+            ", ".join(f"{value if abs(value) > scale else 0.0:.4g}" for value in values)
+            for values in (self.actual, self.target)
+        )
+        if len(self.target) == 1:
+            return f"{self.body} starts with {actual} rad/s instead of {target} rad/s"
+        return f"the origin of {self.body} starts with ({actual}) m/s instead of ({target}) m/s"
+
+    @property
+    def text(self) -> str:
+        """The caution, with a remedy."""
+        remedy = (
+            "joints, drivers and the velocities of other bodies (0 where none is given) do not permit it;"
+            " give the bodies that it moves velocities that fit."
+            if len(self.target) == 1
+            else "joints and drivers do not permit that; give its origin the velocity of its pin."
+        )
+        return f"{self.fact[:1].upper() if len(self.target) > 1 else self.fact[:1]}{self.fact[1:]}: {remedy}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,6 +163,52 @@ class Start:
             row, velocity = self.system.names.index(name), np.array(self.mechanism.bodies[name].velocity)
             result[row] = centred(self.mechanism, name, position[row], velocity)[1]
         return result
+
+    @cached_property
+    def rates(self) -> dict[int, float]:
+        """Given rates (rad/s) by row of their bodies. One of zero is none: it is the default."""
+        points = spinless(self.mechanism) if self.launched else frozenset()
+        return {
+            self.system.names.index(name): rate
+            for name in self.launched
+            if (rate := self.mechanism.bodies[name].velocity[2]) and name not in points
+        }
+
+    def origin_velocity(self, name: str, position: Array, velocity: Array) -> Array:
+        """Velocity (m/s) of a body's origin, shape (2,), from those of centres of mass [n, 3]."""
+        row = self.system.names.index(name)
+        turning = np.array([0.0, 0.0, velocity[row, 2]])
+        return np.asarray(velocity[row, :2] - centred(self.mechanism, name, position[row], turning)[1][:2])
+
+    def rates_to_keep(self, position: Array, velocity: Array) -> dict[int, float]:
+        """Given rates that velocities [n, 3] do not have because joints move the origin of their body, with
+        all other given ones; none where such a body has its rate.
+        """
+        fastest = float(np.abs(velocity).max(initial=0.0))
+        for name in self.launched:
+            row, target = self.system.names.index(name), self.mechanism.bodies[name].velocity
+            off = norm(self.origin_velocity(name, position, velocity) - target[:2])
+            if row in self.rates and off > ROUND_OFF * fastest:
+                turning = max(float(np.abs(velocity[:, 2]).max()), abs(target[2]))
+                if abs(velocity[row, 2] - target[2]) > ROUND_OFF * turning:
+                    return self.rates
+        return {}
+
+    def misfits(self, position: Array, velocity: Array) -> tuple[Misfit, ...]:
+        """Velocities that are given, but not those [n, 3] with which centres of mass start at a position [n,
+        3].
+        """
+        result, floor = [], ROUND_OFF * float(np.abs(velocity).max(initial=0.0))
+        for name in self.launched:
+            row, (vx, vy, rate) = self.system.names.index(name), self.mechanism.bodies[name].velocity
+            if row in self.rates:
+                result.append(Misfit(name, (rate,), (float(velocity[row, 2]),)))
+            if vx or vy:
+                x, y = self.origin_velocity(name, position, velocity).tolist()
+                result.append(Misfit(name, (vx, vy), (x, y)))
+        return tuple(
+            misfit for misfit in result if misfit.size > max(MISFIT * norm(np.array(misfit.target)), floor)
+        )
 
     def add_inertial(self, instant: Instant, force: Array) -> None:
         """Add inertial forces to those on the centres of mass [n, 3]."""

@@ -118,7 +118,8 @@ class Body:
     which the mechanism is closed.
 
     ``velocity`` (m/s, m/s, rad/s) is the start velocity of the frame's origin and the angular velocity of a
-    body that no driver moves; joints with clearance do not constrain it.
+    body that no driver moves; joints with clearance do not constrain it. Where joints move the origin, a
+    given rate other than zero holds, and the origin follows; a caution names velocities that do not hold.
     """
 
     own_points: ClassVar[tuple[str, ...]] = ("center",)  # points that every body of the kind has
@@ -128,7 +129,8 @@ class Body:
     position: Point | None = described(PLACE, "approximate position of the body's origin at the start", None)
     velocity: tuple[float, float, float] = described(
         FixedList((Measure("m/s"), Measure("m/s"), Measure("rad/s"))),
-        "initial velocity of a body that is not driven: of its origin, then angular",
+        "initial velocity of a body that is not driven: of its origin, then angular; where joints move the"
+        " origin, a given rate holds and the origin follows",
         (0.0, 0.0, 0.0),
     )
     material: Material = described(Named(Material), "name of a material", factory=Material)

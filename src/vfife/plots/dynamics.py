@@ -204,7 +204,9 @@ def _scaled(values: Any, unit: str) -> tuple[Any, str]:
 
 
 def _title(result: Any, turns: str, companions: str) -> str:
-    return f"{result.name}: {turns}, {result.spec.steps:,} steps a turn; {result.laws}; {companions}"
+    misfit = getattr(result, "misfit", None)
+    start = f"; not as given: {misfit.fact}" if misfit else ""
+    return f"{result.name}: {turns}, {result.spec.steps:,} steps a turn; {result.laws}; {companions}{start}"
 
 
 MARK = 9.0  # area of a point

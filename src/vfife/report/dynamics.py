@@ -148,6 +148,7 @@ def basins(result: Basins) -> Document:
         f" ({'error of the step, 0.1 to 1 %' if result.companions else 'error of the step not known'})"
     )
     texts = [
+        *start_caution(result),
         *_undecided_starts(result),
         *_transients(result),
         f"{_protocol(result, f'{spec.turns} turns of each start')}{impossible}",
@@ -159,6 +160,14 @@ def basins(result: Basins) -> Document:
         [*incomplete(result.progress), Table.numeric(("motion", "starts", share), rows), *paragraphs(texts)],
         f"{result.name}: {spec.paths[0]}, {spec.paths[1]}",
     )
+
+
+def start_caution(result: Basins | PoincareSection) -> list[str]:
+    """Return the caution on a given velocity that is not the one with which a motion starts."""
+    if result.misfit is None:
+        return []
+    place = "At some starts" if hasattr(result.spec, "paths") else "In this motion"
+    return [f"{place} a given velocity is not that of the run. {result.misfit.text}"]
 
 
 def _undecided_starts(result: Basins) -> list[str]:
@@ -215,6 +224,7 @@ def section(result: PoincareSection) -> Document:
         f"{result.done:,} turns after {spec.dropped:,} discarded turns, {spec.steps:,} steps a turn;"
         f" {result.laws}. {_range_of_exponent(result)}"
     )
+    texts += start_caution(result)
     return Document([*incomplete(result.progress), *paragraphs(texts)])
 
 
