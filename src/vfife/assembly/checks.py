@@ -302,15 +302,15 @@ def off_angle(mechanism: Mechanism, motion: Motion) -> tuple[str, ...]:
     """
     if mechanism.settings.analysis == "static":
         return ()
-    sentences, held = [], motor_angles(mechanism)
-    for body, angle in motor_angles(mechanism, between=True).items():
+    sentences, grounded = [], motor_angles(mechanism)
+    for body, angle in motor_angles(mechanism, relative=True).items():
         start = float(motion.of(body)[0][2])
         if angle and abs(start - angle) > OFF_ANGLE:
-            at, given = different_numbers(start / DEGREE, angle / DEGREE)
-            cause = "the joints do not close there" if body in held else "it moved to close the joints"
+            place, angle_text = different_numbers(start / DEGREE, angle / DEGREE)
+            cause = "the joints do not close there" if body in grounded else "it moved to close the joints"
             sentences.append(
-                f"{body} starts at {at} deg, the model says {given} deg: its driver is a torque, and {cause}."
-                " Correct this angle, those of the other bodies, or the lengths."
+                f"{body} starts at {place} deg, the model says {angle_text} deg: its driver is a torque,"
+                f" and {cause}. Correct this angle, those of the other bodies, or the lengths."
             )
     return tuple(sentences)
 

@@ -55,14 +55,14 @@ def constraint_drivers(mechanism: Mechanism) -> dict[str, Driver]:
     }
 
 
-def motor_angles(mechanism: Mechanism, between: bool = False) -> dict[str, float]:
+def motor_angles(mechanism: Mechanism, relative: bool = False) -> dict[str, float]:
     """Return the angle (rad) that the model gives each body that a torque turns against the ground and no
-    driver moves; ``between``: also of those that a torque turns against another body.
+    driver moves; ``relative``: also of those that a torque turns against another body.
     """
     motors = [
         driven_body(name, driver)
         for name, driver in mechanism.drivers.items()
-        if not driver.moves and (between or driver.against == "ground")
+        if not driver.moves and (relative or driver.against == "ground")
     ]
     if not any(motors):
         return {}
@@ -70,13 +70,13 @@ def motor_angles(mechanism: Mechanism, between: bool = False) -> dict[str, float
     return {body: mechanism.bodies[body].angle for body in motors if body and body not in moved}
 
 
-def holding(system: RigidSystem, angles: Mapping[str, float]) -> RigidSystem:
+def with_angles(system: RigidSystem, angles: Mapping[str, float]) -> RigidSystem:
     """Return a system in which these bodies are held at their angles (rad)."""
-    held = [
+    locks = [
         Constraint(body, 0, system.names.index(body), (Turn(),), aim=angle, driven=True)
         for body, angle in angles.items()
     ]
-    return RigidSystem(system.names, system.mass, system.inertia, system.joints, (*system.drives, *held))
+    return RigidSystem(system.names, system.mass, system.inertia, system.joints, (*system.drives, *locks))
 
 
 def standing(mechanism: Mechanism) -> Mechanism:

@@ -17,7 +17,7 @@ from ..model.mechanism import Mechanism
 from ..numerics.dense import product
 from ..numerics.elementwise import sincos
 from .batch import Batch
-from .drives import holding, motor_angles, rigid_systems
+from .drives import motor_angles, rigid_systems, with_angles
 from .forces import Datum, Instant
 from .guess import first_guesses
 from .pins import centred
@@ -225,7 +225,9 @@ def first_positions(
             abs(place[systems[k].names.index(body), 2] - angle) > AT_ANGLE for body, angle in angles.items()
         )
     ]
-    held = positions([holding(systems[k], motors[k]) for k in off], [guesses[k] for k in off], named=False)
-    for k, place in zip(off, held, strict=True):
+    exact = positions(
+        [with_angles(systems[k], motors[k]) for k in off], [guesses[k] for k in off], named=False
+    )
+    for k, place in zip(off, exact, strict=True):
         result[k] = result[k] if isinstance(place, VfifeError) else place
     return result
