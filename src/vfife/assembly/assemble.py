@@ -32,6 +32,7 @@ from ..model.validation.plausibility import contradictions
 from .assembled import Assembly, StepChoice
 from .checks import (
     missed,
+    off_angle,
     other_outputs,
     outside_tables,
     redundant,
@@ -291,7 +292,10 @@ def draft_of(
     contacts = [touch_values(touch.joint, touch.touching, pairs[touch.joint.name]) for touch in parts.touches]
     stressed = prestress(mechanism, seats) if is_prestressed(mechanism) and start_state is None else None
     lengths = {} if start_state is None else motion.datum.spring
-    return Draft(mechanism, motion, numbering, parts, contacts, tables, topology, seats, lengths, stressed)
+    notes = off_angle(mechanism, motion) if start_state is None else ()
+    return Draft(
+        mechanism, motion, numbering, parts, contacts, tables, topology, seats, lengths, stressed, notes
+    )
 
 
 def finished(
@@ -318,7 +322,9 @@ def finished(
     materials = [body.material for body in mechanism.bodies.values()]
     usual = shared_notes("surfaces", (mechanism.joints, *materials), lambda: cautions(mechanism))
     strange = shared_notes("loads", (mechanism.loads,), lambda: _load_cautions(mechanism))
-    notes = usual + contradictions(mechanism) + strange + missed(mechanism, choice, layout, state)
+    notes = (
+        usual + draft.notes + contradictions(mechanism) + strange + missed(mechanism, choice, layout, state)
+    )
     notes += tuple(misfit.text for misfit in draft.motion.misfits)
     notes += gear_cautions(mechanism.gears) + outside_tables(mechanism, choice)
     if not choice.automatic:

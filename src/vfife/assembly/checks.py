@@ -19,7 +19,7 @@ from ..kernels.arrays import CONSTRAINT_INDEX, HEADER, Layout
 from ..kernels.constraint import levers
 from ..kernels.factors import factor, fill
 from ..kernels.topology import FREE, PLACE_ROWS, Topology
-from ..kinematics.drives import constraint_drivers, spinless
+from ..kinematics.drives import constraint_drivers, motor_angles, spinless
 from ..kinematics.forces import driven_body
 from ..model.bodies import Link, PointMass
 from ..model.mechanism import Mechanism
@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 FULL_TURN = 6.283185307179586  # rad
+DEGREE = FULL_TURN / 360.0
+OFF_ANGLE = 0.01 * DEGREE  # rad, between the angles at which a body starts and at which the model has it
 LONGER = 1e-4  # of its length, by which a run has to be longer than requested to be said so
 
 
@@ -292,6 +294,25 @@ def shared(
             result += [f"{pivot}.force"] if max(fx, fy) > FELT * largest else []
             result += [f"{body}.torque"] if moment > FELT * largest else []
     return tuple(result)
+
+
+def off_angle(mechanism: Mechanism, motion: Motion) -> tuple[str, ...]:
+    """Return a caution for each body that a torque turns and that does not start at the angle that the model
+    gives it. An angle of zero is the default, which nobody may have given.
+    """
+    if mechanism.settings.analysis == "static":
+        return ()
+    sentences, grounded = [], motor_angles(mechanism)
+    for body, angle in motor_angles(mechanism, relative=True).items():
+        start = float(motion.of(body)[0][2])
+        if angle and abs(start - angle) > OFF_ANGLE:
+            place, angle_text = different_numbers(start / DEGREE, angle / DEGREE)
+            cause = "the joints do not close there" if body in grounded else "it moved to close the joints"
+            sentences.append(
+                f"{body} starts at {place} deg, the model says {angle_text} deg: its driver is a torque,"
+                f" and {cause}. Correct this angle, those of the other bodies, or the lengths."
+            )
+    return tuple(sentences)
 
 
 def missed(mechanism: Mechanism, choice: StepChoice, layout: Layout, state: Array) -> tuple[str, ...]:

@@ -40,7 +40,8 @@ class Draft:
     """A mechanism numbered, with the motion of its start: all that its state is filled from.
 
     ``contacts``: values of the blocks TOUCHED of each contact; ``lengths``: free lengths of springs (m, rad)
-    where the start is not the model's own; ``stressed``: a start without ringing, if it has one.
+    where the start is not the model's own; ``stressed``: a start without ringing, if it has one;
+    ``notes``: cautions about the start.
     """
 
     mechanism: Mechanism
@@ -53,6 +54,7 @@ class Draft:
     seats: Mapping[str, Seat]
     lengths: Mapping[str, float]
     stressed: PrestressedState | None
+    notes: tuple[str, ...] = ()
 
     @cached_property
     def moves(self) -> Array:

@@ -55,6 +55,30 @@ def constraint_drivers(mechanism: Mechanism) -> dict[str, Driver]:
     }
 
 
+def motor_angles(mechanism: Mechanism, relative: bool = False) -> dict[str, float]:
+    """Return the angle (rad) that the model gives each body that a torque turns against the ground and no
+    driver moves; ``relative``: also of those that a torque turns against another body.
+    """
+    motors = [
+        driven_body(name, driver)
+        for name, driver in mechanism.drivers.items()
+        if not driver.moves and (relative or driver.against == "ground")
+    ]
+    if not any(motors):
+        return {}
+    moved = kinematic_drivers(mechanism)
+    return {body: mechanism.bodies[body].angle for body in motors if body and body not in moved}
+
+
+def with_angles(system: RigidSystem, angles: Mapping[str, float]) -> RigidSystem:
+    """Return a system in which these bodies are held at their angles (rad)."""
+    locks = [
+        Constraint(body, 0, system.names.index(body), (Turn(),), aim=angle, driven=True)
+        for body, angle in angles.items()
+    ]
+    return RigidSystem(system.names, system.mass, system.inertia, system.joints, (*system.drives, *locks))
+
+
 def standing(mechanism: Mechanism) -> Mechanism:
     """Return the mechanism from which a static analysis starts: driven bodies at their angles at time 0,
     without travels, paths, loads and springs.

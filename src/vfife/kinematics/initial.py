@@ -22,14 +22,14 @@ from ..model.mechanism import Mechanism
 from ..model.surfaces import surfaces
 from ..numerics.elementwise import hypot, sincos
 from .batch import Batch, Shared, Structures
-from .drives import rigid_systems, travel_of
+from .drives import motor_angles, rigid_systems, travel_of
 from .forces import Applied, Datum, Instant, applied, constant_forces, driven_body
 from .guess import first_guesses
 from .mobility import Mobility, mobility
 from .rows import measured
-from .solve import Accelerations, ClosedSystems, Velocities, accelerations, close_all, velocities, with_rates
-from .start import Misfit, Seat, Start, StartState, handedness, starts_of
-from .system import RigidSystem, alike, mirrored
+from .solve import Accelerations, ClosedSystems, Velocities, accelerations, velocities, with_rates
+from .start import Misfit, Seat, Start, StartState, first_positions, starts_of
+from .system import RigidSystem, alike
 
 Array = NDArray[np.float64]
 
@@ -65,13 +65,15 @@ class Motion:
     finite: bool = False
     misfits: tuple[Misfit, ...] = ()
 
-    def solves(self, system: RigidSystem, guess: Array) -> bool:
-        """Whether equations and first guess (in the solved mirror image) are those that this motion was
-        solved from, number by number.
+    def solves(self, start: Start) -> bool:
+        """Whether equations, first guess (in the solved mirror image) and angles of motors are those that
+        this motion was solved from, number by number.
         """
-        mine = self.system
+        mine, system, guess = self.system, start.images[0], start.guess * start.flip
         return (
             self.guess is not None
+            and self.mechanism is not None
+            and motor_angles(self.mechanism) == start.motors
             and mine.names == system.names
             and [constraint.content for constraint in mine.constraints]
             == [constraint.content for constraint in system.constraints]
@@ -143,7 +145,8 @@ def datums(
     solutions: dict[int, Any] = dict(zip(closed, free, strict=True))
     sound = [k for k in closed if not isinstance(solutions[k], VfifeError)]
     systems, guesses = [solutions[k][0] for k in sound], [solutions[k][1] for k in sound]
-    solutions |= dict(zip(sound, positions(systems, guesses), strict=True))
+    motors = [motor_angles(mechanisms[k]) for k in sound]
+    solutions |= dict(zip(sound, first_positions(systems, guesses, motors), strict=True))
     return [
         _datum(mechanism, travels[k], solutions.get(k), start_state) for k, mechanism in enumerate(mechanisms)
     ]
@@ -230,29 +233,6 @@ def _at_rest(instant: Instant) -> dict[str, float]:
         else:
             result[name] = second.angle - first.angle
     return result
-
-
-def positions(
-    systems: Sequence[RigidSystem], guesses: Sequence[Array], named: bool = True
-) -> list[Array | VfifeError]:
-    """Find the closed positions nearest to the guesses; the error of a system that stays open stands in its
-    place. Systems of one structure are solved together.
-
-    Each is solved in one of its two mirror images, so that the mirrored mechanism starts from the
-    same bits.
-    """
-    result: dict[int, Array | VfifeError] = {}
-    flips = [np.array([1.0, hand, hand]) for hand in map(handedness, guesses)]
-    solved = [
-        mirrored(system) if flip[1] < 0.0 else system for system, flip in zip(systems, flips, strict=True)
-    ]
-    for members in alike(solved):
-        closures = close_all([solved[k] for k in members], [guesses[k] * flips[k] for k in members], named)
-        result |= {
-            k: closure if isinstance(closure, VfifeError) else closure.position * flips[k]
-            for k, closure in zip(members, closures, strict=True)
-        }
-    return [result[k] for k in range(len(systems))]
 
 
 def _starts_alike(former: Mechanism | None, mechanism: Mechanism, shared: Shared) -> bool:
@@ -394,10 +374,12 @@ def solve_starts(
     places: dict[int, Array | VfifeError] = {
         k: motion.position
         for k, (start, motion) in enumerate(zip(starts, former, strict=True))
-        if motion is not None and motion.solves(start.images[0], start.guess * start.flip)
+        if motion is not None and motion.solves(start)
     }
     unknown = [k for k in range(len(starts)) if k not in places]
-    closed = positions([starts[k].system for k in unknown], [starts[k].guess for k in unknown], named)
+    open_starts = [starts[k] for k in unknown]
+    systems, guesses = [start.system for start in open_starts], [start.guess for start in open_starts]
+    closed = first_positions(systems, guesses, [start.motors for start in open_starts], named)
     places |= dict(zip(unknown, closed, strict=True))
     return motions(starts, [places[k] for k in range(len(starts))], shared)
 

@@ -1,5 +1,5 @@
 """What a start is solved from: the mechanism, its rigid system and a first guess, known positions, and the
-seats of its journals.
+seats of its journals; the closed positions of its first guess.
 """
 
 from __future__ import annotations
@@ -11,16 +11,18 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import VfifeError
 from ..model.bodies import Point
 from ..model.mechanism import Mechanism
 from ..numerics.dense import norm, product
 from ..numerics.elementwise import sincos
 from .batch import Batch
-from .drives import rigid_systems, spinless
+from .drives import motor_angles, rigid_systems, spinless, with_angles
 from .forces import Datum, Instant
 from .guess import first_guesses
 from .pins import centred
-from .system import RigidSystem, mirrored
+from .solve import close_all
+from .system import RigidSystem, alike, mirrored
 
 Array = NDArray[np.float64]
 ROUND_OFF = 1e-9  # of the fastest velocity
@@ -70,6 +72,10 @@ class Misfit:
             else "joints and drivers do not permit that; give its origin the velocity of its pin."
         )
         return f"{self.fact[:1].upper() if len(self.target) > 1 else self.fact[:1]}{self.fact[1:]}: {remedy}"
+
+
+# Of an angle (rad): a body so near its angle starts where the joints close, as angles of nine digits have it.
+AT_ANGLE = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +128,8 @@ class Start:
 
     ``moving`` is the system of velocities, in which some joints may be open. ``inertial`` as in
     :func:`ideal_motion`; ``plain``: whether it is the start of the mechanism as it is. ``launched`` bodies
-    have a velocity of their own in the model.
+    have a velocity of their own in the model. ``motors``: bodies that torques turn, with the angles (rad) at
+    which they start where the joints permit it.
     """
 
     mechanism: Mechanism
@@ -135,6 +142,7 @@ class Start:
     inertial: Mapping[str, tuple[Array, Array, Array]] = field(default_factory=dict)
     plain: bool = False
     launched: Sequence[str] = ()
+    motors: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
     def hand(self) -> float:
@@ -244,13 +252,76 @@ def starts_of(
     }
     if loose != open_joints:
         moving = rigid_systems(batch, time=time, data=data, open_joints=loose, seats=eccentric)
+    motors: list[Mapping[str, float]] = [{}] * len(batch)
+    if guesses is None and start_state is None:
+        motors = [motor_angles(mechanism) for mechanism in batch.mechanisms]
     if guesses is None:
         guesses = (
             first_guesses(batch) if start_state is None else np.array([start_state.position] * len(batch))
         )
     return [
-        Start(mechanism, time, datum, system, moves, guess, start_state, plain=flag, launched=launched)
-        for mechanism, datum, system, moves, guess, flag in zip(
-            batch.mechanisms, data, systems, moving, guesses, plain, strict=True
+        Start(
+            mechanism,
+            time,
+            datum,
+            system,
+            moves,
+            guess,
+            start_state,
+            plain=flag,
+            launched=launched,
+            motors=angles,
+        )
+        for mechanism, datum, system, moves, guess, flag, angles in zip(
+            batch.mechanisms, data, systems, moving, guesses, plain, motors, strict=True
         )
     ]
+
+
+def positions(
+    systems: Sequence[RigidSystem], guesses: Sequence[Array], named: bool = True
+) -> list[Array | VfifeError]:
+    """Find the closed positions nearest to the guesses; the error of a system that stays open stands in its
+    place. Systems of one structure are solved together.
+
+    Each is solved in one of its two mirror images, so that the mirrored mechanism starts from the
+    same bits.
+    """
+    result: dict[int, Array | VfifeError] = {}
+    flips = [np.array([1.0, hand, hand]) for hand in map(handedness, guesses)]
+    solved = [
+        mirrored(system) if flip[1] < 0.0 else system for system, flip in zip(systems, flips, strict=True)
+    ]
+    for members in alike(solved):
+        closures = close_all([solved[k] for k in members], [guesses[k] * flips[k] for k in members], named)
+        result |= {
+            k: closure if isinstance(closure, VfifeError) else closure.position * flips[k]
+            for k, closure in zip(members, closures, strict=True)
+        }
+    return [result[k] for k in range(len(systems))]
+
+
+def first_positions(
+    systems: Sequence[RigidSystem],
+    guesses: Sequence[Array],
+    motors: Sequence[Mapping[str, float]],
+    named: bool = True,
+) -> list[Array | VfifeError]:
+    """Find closed positions as :func:`positions`, in which bodies that ``motors`` turn keep their angles
+    (rad) and the others move. Where these angles do not close, all bodies move.
+    """
+    result = positions(systems, guesses, named)
+    off = [
+        k
+        for k, (place, angles) in enumerate(zip(result, motors, strict=True))
+        if not isinstance(place, VfifeError)
+        and any(
+            abs(place[systems[k].names.index(body), 2] - angle) > AT_ANGLE for body, angle in angles.items()
+        )
+    ]
+    exact = positions(
+        [with_angles(systems[k], motors[k]) for k in off], [guesses[k] for k in off], named=False
+    )
+    for k, place in zip(off, exact, strict=True):
+        result[k] = result[k] if isinstance(place, VfifeError) else place
+    return result

@@ -125,7 +125,12 @@ class Body:
     own_points: ClassVar[tuple[str, ...]] = ("center",)  # points that every body of the kind has
 
     name: str
-    angle: float = quantity("rad", "angle at the start: exact for a driven body, else approximate", 0.0)
+    angle: float = quantity(
+        "rad",
+        "angle at the start: exact for a driven body, and where the joints permit it for one that a torque"
+        " turns against the ground, else approximate",
+        0.0,
+    )
     position: Point | None = described(PLACE, "approximate position of the body's origin at the start", None)
     velocity: tuple[float, float, float] = described(
         FixedList((Measure("m/s"), Measure("m/s"), Measure("rad/s"))),

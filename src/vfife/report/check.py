@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ..job.progress import counted
+from ..kinematics.forces import driven_body
 from ..laws.materials import PAIRS, coefficient
 from ..model.bodies import MOST_ELEMENTS, Frame, Link
 from ..model.lumping import rigid_properties
@@ -111,7 +112,7 @@ def bodies(assembly: Assembly) -> list[dict[str, Any]]:
     """Return model, mass (kg), inertia about the centre of mass (kg m^2) and centre of mass (m) of
     each body.
     """
-    drivers, excess = assembly.mechanism.drivers, inertia_excess(assembly)
+    excess = inertia_excess(assembly)
     return [
         {
             "name": name,
@@ -120,7 +121,7 @@ def bodies(assembly: Assembly) -> list[dict[str, Any]]:
             "mass": body.mass,
             "inertia": body.inertia,
             "center": list(body.center),
-            "driver": driver(drivers[name]) if name in drivers else None,
+            "driver": turned_by(assembly.mechanism, name),
             **({"inertia_excess": excess[name]} if name in excess else {}),
         }
         for name, body in assembly.bodies.items()
@@ -149,6 +150,18 @@ def inertia_excess(assembly: Assembly) -> dict[str, float]:
         if inertia > limit > 0.0:
             excess[name] = inertia / limit - 1.0
     return excess
+
+
+def turned_by(mechanism: Mechanism, body: str) -> str | None:
+    """Return the description of what turns a body, with its name where that is not the body's; None if
+    nothing does.
+    """
+    turning = [
+        driver(item) if name == body else f"{name}: {driver(item)}"
+        for name, item in mechanism.drivers.items()
+        if driven_body(name, item) == body
+    ]
+    return "; ".join(turning) or None
 
 
 def driver(driver: Driver) -> str:
