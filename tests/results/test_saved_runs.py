@@ -114,7 +114,7 @@ def test_the_path_of_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     assert len(result.time) == 11 and len(vfife.load_result("run.vfife").time) == 11
     with pytest.raises(
         ModelError,
-        match=r"there is a file of this name.*with vfife.resume\('run.vfife'\), or read it with vfife.load_result\(\)",
+        match=r"there is a file of this name.*vfife.resume\('run.vfife'\), .* vfife.load_result\(\)",
     ):
         run_for(4e-4, file="run.vfife")
     with pytest.raises(ModelError, match=r"not the ending of a run file.*export\(\)"):

@@ -40,7 +40,7 @@ from ...simulation.start import expected_forces
 from ...solvers.arguments import RunArguments
 from .page_model import PageModel, page_model, refuse_unfit, step_dividing_turn
 from .payload import base64_of
-from .sliders import POSITIONS, Slide, kept_positions, with_positions
+from .sliders import POSITIONS, Slide, thinned_positions, with_positions
 
 Array = NDArray[np.float64]
 Slides: TypeAlias = tuple[Slide, ...]
@@ -407,7 +407,7 @@ def fewer_positions(slides: Slides, groups: Sequence[tuple[int, ...]]) -> Slides
         )
         for s in sliders:
             if len(thinned[s].values) > limit and not (thinned[s].complete and len(sliders) == 1):
-                thinned[s] = with_positions(thinned[s], kept_positions(thinned[s], limit))
+                thinned[s] = with_positions(thinned[s], thinned_positions(thinned[s], limit))
     return tuple(thinned)
 
 

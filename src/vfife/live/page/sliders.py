@@ -19,7 +19,7 @@ SHARES = {"clearance": (0.1, 2.5), "speed": (0.5, 1.25), "coefficient": (0.0, 2.
 # A clearance may reach that of a worn pin (m), but not a larger share of the bearing's radius.
 LARGEST_CLEARANCE, SHARE_OF_RADIUS = 2e-4, 0.05
 RESTITUTION = (0.4, 0.95)
-NEAR = 1.02  # ratio of two factors of which one position is enough
+CLOSEST_FACTORS = 1.02  # ratio of two factors of which one position is enough
 
 
 @dataclass(frozen=True)
@@ -124,18 +124,21 @@ def common_clearances(slides: list[Slide]) -> list[Slide]:
     low = max(slide.values[0] / slide.values[slide.here] for slide in shared)
     high = min(slide.values[-1] / slide.values[slide.here] for slide in shared)
     inner = slider("", (), "1", low, high, 1.0).values
-    factors = sorted({low, high, 1.0, *(factor for factor in inner if low * NEAR < factor < high / NEAR)})
+    between = [factor for factor in inner if low * CLOSEST_FACTORS < factor < high / CLOSEST_FACTORS]
+    factors = sorted({low, high, 1.0, *between})
     return [with_factors(slide, factors) if slide in shared else slide for slide in slides]
 
 
 def with_factors(slide: Slide, factors: Sequence[float]) -> Slide:
     """Return a slider with positions at factors of the model's value, and its own outside of their range."""
-    own = slide.values[slide.here]
+    model_value = slide.values[slide.here]
     # Twelve digits keep 0.1 x 20 um from being 2.0000000000000003e-06 in the model file.
-    common = tuple(own if factor == 1.0 else float(f"{factor * own:.12g}") for factor in factors)
-    others = [value for value in slide.values if not common[0] <= value <= common[-1]]
-    values = tuple(sorted([*common, *others]))
-    return replace(slide, values=values, here=values.index(own), complete=True, common=common)
+    common = tuple(
+        model_value if factor == 1.0 else float(f"{factor * model_value:.12g}") for factor in factors
+    )
+    outside = [value for value in slide.values if not common[0] <= value <= common[-1]]
+    values = tuple(sorted([*common, *outside]))
+    return replace(slide, values=values, here=values.index(model_value), complete=True, common=common)
 
 
 def slider(name: str, paths: tuple[str, ...], unit: str, low: float, high: float, own_value: float) -> Slide:
@@ -158,28 +161,28 @@ def with_positions(slide: Slide, positions: Sequence[int]) -> Slide:
     return replace(slide, values=values, here=values.index(slide.values[slide.here]), common=common)
 
 
-def kept_positions(slide: Slide, limit: int) -> list[int]:
+def thinned_positions(slide: Slide, limit: int) -> list[int]:
     """Return ``limit`` positions of a slider, including the model's own. A quarter of those of a slider
-    that shares factors with others, at least two, are not at such factors.
+    with common factors, at least two, are not at such factors.
     """
     shared = [k for k, value in enumerate(slide.values) if value in slide.common]
     if not shared:
         return spaced(range(len(slide.values)), limit, slide.here)
-    others = sorted({*range(len(slide.values))} - {*shared})
+    outside = sorted({*range(len(slide.values))} - {*shared})
     room = max(2, limit // 4)
-    return sorted([*spaced(shared, limit - room, slide.here), *spaced(others, room)])
+    return sorted([*spaced(shared, limit - room, slide.here), *spaced(outside, room)])
 
 
-def spaced(positions: Sequence[int], limit: int, own: int | None = None) -> list[int]:
-    """Return at most ``limit`` positions, evenly spaced by their number; ``own`` replaces the nearest one."""
+def spaced(positions: Sequence[int], limit: int, here: int | None = None) -> list[int]:
+    """Return at most ``limit`` of the positions, evenly spaced; ``here`` replaces the nearest one."""
     count = len(positions)
     if count <= limit or limit < 2:
         return [*positions] if count <= limit else []
     places = {round(k * (count - 1) / (limit - 1)) for k in range(limit)}
-    if own is not None:
+    if here is not None:
         # The model's own position must remain: it is the setting with which the page starts, and the base of
         # all patches.
-        place = positions.index(own)
+        place = positions.index(here)
         *_, nearest = min((abs(k - place), -k, k) for k in places)
         places = (places - {nearest}) | {place}
     return [positions[k] for k in sorted(places)]
