@@ -1,4 +1,5 @@
-"""The step of an elastic body that touches another: vibrations of its mesh that contact excites do not grow."""
+"""The step of an elastic body that touches another: vibrations of its mesh do not
+grow."""
 
 from __future__ import annotations
 
@@ -6,7 +7,7 @@ import numpy as np
 import pytest
 
 import vfife
-from vfife.assembly.timestep import BESIDE_CONTACT, SAFETY
+from vfife.assembly.timestep import CONTACT_SHARE, SAFETY
 from vfife.laws import Frictionless, Hertz, Material
 from vfife.model.bodies import Section
 
@@ -51,7 +52,7 @@ def test_vibrations_that_contact_excites_do_not_grow(elements: int) -> None:
     run = {"duration": 0.03, "companions": 0, "reference": False, "outputs": 90}
     sound = vfife.simulate(mechanism, step=0.999 * SAFETY * stable, **run)
     assert sound.status == "complete" and sound.summary["energy_error"] < 1e-3
-    beyond = vfife.simulate(mechanism, step=SAFETY * stable / BESIDE_CONTACT, force_step=True, **run)
+    beyond = vfife.simulate(mechanism, step=SAFETY * stable / CONTACT_SHARE, force_step=True, **run)
     assert beyond.status == "diverged"
 
 
@@ -64,7 +65,7 @@ def test_elements_whose_body_touches_nothing_keep_the_whole_limit() -> None:
     bending = "element 16 of coupler (bending{})"
     assert bending.format("") in ideal and bending.format("") not in loose
     share = loose[bending.format(", beside contact")] / ideal[bending.format("")]
-    assert 0.9 * BESIDE_CONTACT < share <= BESIDE_CONTACT
+    assert 0.9 * CONTACT_SHARE < share <= CONTACT_SHARE
 
 
 def test_a_bar_keeps_the_whole_limit() -> None:
