@@ -19,6 +19,7 @@ from ..solvers.companions import SENSITIVE, oldest_needed
 from ..solvers.record import Record
 from ..solvers.repeating import turn_grid
 from ..solvers.scales import NEGLIGIBLE, Scales, scales
+from ..solvers.status import Status
 from .catalogue import INFLUENCE, PEAKS, Groups, compared, lip, measures, over_run, over_turn, unit_of
 from .contacts import pressure_bounds
 from .event_ranges import event_errors, friction_losses, widened
@@ -28,6 +29,7 @@ from .repetition import Turns, part_of, turns
 from .samples import Samples
 from .statics import EXACT
 from .turns import after_first, companion_turns_of, each_turn, last_turn, of_window, record_of_companion
+from .unstable import unstable_companions
 from .values import Measured, Measures
 from .zero_limits import zero_limits
 
@@ -56,13 +58,9 @@ def companion_records(record: Record) -> Iterator[Record]:
 
 
 def sound_companions(record: Record) -> list[int]:
-    """Return the numbers of the companions without infinite or undefined numbers."""
-    companions = record.companions
-    return (
-        []
-        if companions is None
-        else [k for k in range(len(companions.counts)) if k not in companions.divergent]
-    )
+    """Return the numbers of the companions with finite numbers that have not blown up."""
+    companions, lost = record.companions, unstable_companions(record)
+    return [] if companions is None else [k for k in range(len(companions.counts)) if k not in lost]
 
 
 def ranged(record: Record, reference: Mapping[str, float] | None = None, groups: Choice = None) -> Measures:
@@ -230,12 +228,14 @@ def ranges_of_next_try(
     record: Record, reference: Mapping[str, float] | None
 ) -> tuple[dict[str, tuple[float, float]], dict[str, tuple[float, float]]]:
     """Return the ranges (low, high) of a run that is abandoned for half its step, and those of all tries with
-    it.
+    it; nothing of one whose step was not stable.
     """
+    former = {} if record.companions is None else record.companions.tries
+    if record.status == Status.DIVERGED or unstable_companions(record):
+        return {}, dict(former)  # its own values may have grown with those that are lost
     by_name = samples(record, reference)
     last = {name: (sample.low, sample.high) for name, sample in by_name.items()}
     draws = {name: sample.draws(name) for name, sample in by_name.items()}
-    former = {} if record.companions is None else record.companions.tries
     tries = {
         name: (min(low, former.get(name, (low, high))[0]), max(high, former.get(name, (low, high))[1]))
         for name, (low, high) in draws.items()
@@ -419,7 +419,7 @@ def sensitive_tries(record: Record) -> Mapping[str, tuple[float, float]]:
     hulls = over_tries(record, groups=PEAKS)
     worst = largest(spreads(hulls, record.assembly.choice.step, scales(record.assembly)))
     _, spread = worst if worst[1] > SENSITIVE else later_spread(record, hulls, worst)
-    return companions.tries if spread > SENSITIVE or companions.divergent else {}
+    return companions.tries if spread > SENSITIVE or unstable_companions(record) else {}
 
 
 def over_scatter(

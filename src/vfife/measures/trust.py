@@ -17,6 +17,7 @@ from .energy import ledger, own_floor
 from .error_ranges import largest, later_spread, over_tries, ranged, spreads
 from .repetition import turns
 from .statics import spreads as static_spreads
+from .unstable import is_unstable, unstable_companions
 from .values import Measured
 
 # How often an automatic step is halved at the most: for companions that diverge, and for a smooth run with
@@ -29,6 +30,8 @@ DEEP_HALVINGS = 3, 4
 # For an energy ledger that does not close, or a motion that is not periodic: without companions, and with
 # them, where a run begins with twice the step.
 OPEN_HALVINGS = 2, 1
+# In the place of the spread (at most 1) of a try whose run or companions diverged or blew up.
+UNSTABLE_TRY = 2.0
 # Share of the largest energy by which a ledger may be open before the step is halved.
 OPEN = 1e-3
 
@@ -39,7 +42,8 @@ class Trust:
 
     ``measure`` has the largest uncertainty: its values at all step sizes differ by the share ``apart`` of its
     size (1), and ``low`` to ``high`` is the range that estimates its error. ``parting`` is where companions
-    diverge; ``lost`` of the ``companions`` have infinite numbers. For a smooth or static run, which has none,
+    diverge; ``lost`` of the ``companions`` have infinite numbers or blew up, and ``unstable``
+    is True where the run itself did. For a smooth or static run, which has none,
     ``apart`` is the estimated error, ``order`` that of the step, and ``converges`` is False where runs at
     smaller steps do not converge.
     """
@@ -53,6 +57,7 @@ class Trust:
     lost: int
     order: float | None = None
     converges: bool = True
+    unstable: bool = False
 
     @property
     def sensitive(self) -> bool:
@@ -86,14 +91,16 @@ def trust(record: Record, measures: dict[str, Measured] | None = None) -> Trust 
             0,
             *(() if estimate is None else (estimate.order, estimate.converges)),
         )
+    lost = len(unstable_companions(record))
     return Trust(
         len(companions.counts),
         name,
-        1.0 if companions.divergent else spread,
+        1.0 if lost else spread,
         low,
         high,
         companions.parting,
-        len(companions.divergent),
+        lost,
+        unstable=is_unstable(record),
     )
 
 
@@ -115,11 +122,13 @@ def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
     accompanied = record.companions is not None
     open_halvings = OPEN_HALVINGS[accompanied]
     limit = open_halvings if not_periodic(record) else HALVINGS if accompanied else SMOOTH_HALVINGS
+    limit += judgement is not None and judgement.lost > 0  # a step that is not stable is no try
     if (
         spread > record.assembly.mechanism.settings.tolerance
         and sum(share is not None for _, share in choice.tried) < limit
     ):
-        return (*choice.tried, (choice.step, spread))
+        unstable = diverged or (judgement is not None and judgement.lost > 0)
+        return (*choice.tried, (choice.step, UNSTABLE_TRY if unstable else spread))
     if diverged:
         return None
     may_close = len(choice.tried) < open_halvings and not own_floor(record)

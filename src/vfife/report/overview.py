@@ -55,6 +55,7 @@ from .trust import (
     period_sentence,
     scatter_over_turns,
     turn_distance,
+    unstable_tries,
     verdict,
     without_turns,
 )
@@ -223,13 +224,13 @@ def _certainty(summary: Json) -> str:
     )
     if not inexact:
         head = f"{RELIABLE}: {sure}" if sure else RELIABLE
-        return f"{head}.{' Less certain: ' + exception[0] + '.' if exception else ''}"
+        return f"{head}.{' Less certain: ' + exception[0] + '.' if exception else ''}{unstable_tries(trust)}"
     remainder = f" {RELIABLE}: {'the other ' if shown else ''}{sure}." if sure else ""
     if not trust.get("automatic", True):
         remainder = " The step was given: ranges cover it and its companions only; others may differ more."
     # An acceleration leads only where nothing that a joint has to carry is uncertain.
     values = "; ".join([*shown, *unlisted])
-    return f"Sensitive to the step size: {values}. Quote these ranges.{remainder}"
+    return f"Sensitive to the step size: {values}. Quote these ranges.{remainder}{unstable_tries(trust)}"
 
 
 def _share(error: float) -> str:

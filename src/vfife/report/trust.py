@@ -41,6 +41,8 @@ def trust_summary(result: RunData) -> dict[str, Any]:
         "sensitive": estimate.sensitive,
         "tolerance": record.assembly.mechanism.settings.tolerance,
     }
+    if not entry["unstable"]:
+        del entry["unstable"]
     parting = entry.pop("parting") or {"time": None, "joint": None}
     tried = [{"step": step, "apart": scatter} for step, scatter in record.assembly.choice.tried]
     return entry | parting | {"tried": tried, "automatic": record.assembly.choice.automatic}
@@ -79,11 +81,20 @@ def verdict(summary: Json) -> str:
     trust = summary["trust"]
     if not trust or not trust["sensitive"]:
         return scatter_over_turns(summary)
-    if is_undetermined(summary, trust["measure"]):
+    if trust.get("unstable"):
         return (
-            f"{trust['measure']} is {NOT_DETERMINED}: it and others grow without bound as the step becomes"
-            " smaller, as reactions in a singular position do. Quote no number of this run."
+            f"The step of {prefixed(summary['step'], 's')} is unstable: forces grow many times beyond"
+            " those at smaller steps. Take a smaller step, and quote no number of this run."
         )
+    if is_undetermined(summary, trust["measure"]):
+        # Companions and tries have larger steps than the run, repetitions of a smooth run smaller ones.
+        growth = (
+            "range over more than a million times their values at larger steps, which were unstable or passed"
+            " a singular position otherwise"
+            if trust["companions"]
+            else "grow without bound as the step becomes smaller, as reactions in a singular position do"
+        )
+        return f"{trust['measure']} is {NOT_DETERMINED}: it and others {growth}. Quote no number of this run."
     if not trust.get("converges", True):
         return (
             "This run is sensitive: with half and a quarter of its step the motion does not converge, so it"
@@ -97,11 +108,22 @@ def verdict(summary: Json) -> str:
         )
     if trust["lost"]:
         return (
-            f"This run is sensitive: of {trust['companions']} runs with other step sizes {trust['lost']}"
-            " diverged. Take a smaller step, and quote no single number."
+            f"The step is near its stable limit: of {trust['companions']} runs with other step sizes"
+            f" {trust['lost']} diverged or blew up, and ranges leave them out. Take a smaller step, and"
+            " quote no single number."
         )
     scatter = scatter_over_turns(summary) or _scatter_over_steps(trust, summary["measures"][trust["measure"]])
-    return scatter + step_coverage(trust)
+    return scatter + step_coverage(trust) + unstable_tries(trust)
+
+
+def unstable_tries(trust: Json) -> str:
+    """Return which larger steps were not stable and are left out of ranges; "" without any."""
+    steps = [prefixed(trial["step"], "s") for trial in trust["tried"] if (trial["apart"] or 0.0) > 1.0]
+    if not steps:
+        return ""
+    return (
+        f" At the steps tried before, {and_words(steps)}, runs diverged or blew up: ranges leave those out."
+    )
 
 
 def step_coverage(trust: Json) -> str:
@@ -235,7 +257,11 @@ def trust_lines(summary: Json) -> Iterator[str]:
     if trust["tried"]:
         unlike = "first contacts too deep, or energy not accounted for"
         shares = [
-            unlike if trial["apart"] is None else f"{100.0 * trial['apart']:.2g} %"
+            unlike
+            if trial["apart"] is None
+            else "it or a companion diverged or blew up"
+            if trial["apart"] > 1.0
+            else f"{100.0 * trial['apart']:.2g} %"
             for trial in trust["tried"]
         ]
         steps = (

@@ -112,6 +112,8 @@ class Companions:
     outputs; in files of earlier versions, which displaced companions, they are those of the run.
     ``divergent`` are the companions whose numbers are no longer finite. ``earlier``: ranges (low, high) by
     measure from an abandoned run with twice the step. ``tries``: ranges of the values of all abandoned runs.
+    ``burst``: finite companions that blew up, None before these are looked for
+    (:mod:`~vfife.measures.unstable`).
     """
 
     counts: Counts
@@ -123,6 +125,7 @@ class Companions:
     earlier: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     turns: Array = field(default_factory=lambda: np.zeros((0, 0, 0)))
     tries: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    burst: tuple[int, ...] | None = None
 
     @property
     def findings(self) -> dict[str, Any]:
