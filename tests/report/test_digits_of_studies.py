@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import pytest
 
-from vfife.report.amounts import Digits, quantity_of_digits
+from vfife.report.amounts import Digits, quantities, quantity, quantity_of_digits
 
 
 @pytest.mark.parametrize(
@@ -34,3 +34,9 @@ def test_the_usual_four_digits_hide_what_differs() -> None:
     assert pair == ["239.7 mm"] * 2
     differing = [quantity_of_digits(value, "m", Digits(3e-5)) for value in (0.239_71, 0.239_74)]
     assert differing == ["239.71 mm", "239.74 mm"]
+
+
+def test_speeds_of_knocks_have_prefixes_and_four_digits() -> None:
+    """As in the answer of a run, which has mm/s."""
+    assert quantity(0.118_423, "m/s") == "118.4 mm/s"
+    assert quantities(0.056716, 0.36972, "m/s") == "56.71 to 369.8 mm/s"

@@ -128,7 +128,7 @@ def quantity(value: Any, unit: str, direction: int = NEAREST, size: float | None
         return value or "-"
     if unit in ("1", "%") or not value or not math.isfinite(value):
         return significant(value, 6, direction) + (" %" if unit == "%" else "")
-    if unit in PREFIXED:
+    if unit in PREFIXED or unit == "m/s":
         return prefixed(value, unit, 0.0, direction, size)
     return f"{significant(value, 5, direction)} {unit.replace('^2', '²')}"
 
