@@ -14,7 +14,7 @@ from architecture.size import Size, size_of, sizes, tokens
 
 LIMITS = Size(
     files=506,
-    code=71_000,
+    code=72_000,
     tokens=722_000,
     import_lines=7_000,
     inner_imports=101,

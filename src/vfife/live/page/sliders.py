@@ -123,9 +123,9 @@ def common_clearances(slides: list[Slide]) -> list[Slide]:
         return slides
     low = max(slide.values[0] / slide.values[slide.here] for slide in shared)
     high = min(slide.values[-1] / slide.values[slide.here] for slide in shared)
-    inner = slider("", (), "1", low, high, 1.0).values
-    between = [factor for factor in inner if low * CLOSEST_FACTORS < factor < high / CLOSEST_FACTORS]
-    factors = sorted({low, high, 1.0, *between})
+    steps = slider("", (), "1", low, high, 1.0).values
+    inner = [factor for factor in steps if low * CLOSEST_FACTORS < factor < high / CLOSEST_FACTORS]
+    factors = sorted({low, high, 1.0, *inner})
     return [with_factors(slide, factors) if slide in shared else slide for slide in slides]
 
 
