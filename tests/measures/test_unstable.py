@@ -10,9 +10,9 @@ import pytest
 import vfife
 from support import four_bar
 from vfife.assembly.assemble import assemble
+from vfife.measures.energy import COMPANION_WORKS, is_unstable, unstable_companions
 from vfife.measures.error_ranges import ranged, ranges_of_next_try, sound_companions
 from vfife.measures.trust import HALVINGS, UNSTABLE_TRY, finer, trust
-from vfife.measures.unstable import WORKS, is_unstable, unstable_companions
 from vfife.report.overview import certainty
 from vfife.report.summary import run_summary
 from vfife.report.trust import verdict
@@ -49,7 +49,7 @@ def test_a_companion_that_blew_up_has_no_part_in_ranges(record: Record) -> None:
     scaled(record, 2, 1e8, ("contact_force_squared_max",))
     assert sound_companions(record) == [0, 1, 2], "a force alone may be small in the run by chance"
     assert ranged(record)["C.force.max"].high > 1e3 * high
-    scaled(record, 2, 1e8, WORKS)
+    scaled(record, 2, 1e8, COMPANION_WORKS)
     assert sound_companions(record) == [0, 1] and unstable_companions(record) == (2,)
     assert ranged(record)["C.force.max"].high < 2.0 * high
     judgement = trust(record)
@@ -57,7 +57,7 @@ def test_a_companion_that_blew_up_has_no_part_in_ranges(record: Record) -> None:
 
 
 def test_tries_that_blew_up_are_left_out_and_one_more_is_made(record: Record) -> None:
-    scaled(record, 2, 1e8, ("contact_force_squared_max", *WORKS))
+    scaled(record, 2, 1e8, ("contact_force_squared_max", *COMPANION_WORKS))
     companions = record.companions
     assert companions is not None
     companions.tries = {"C.force.max": (1.0, 2.0)}
@@ -75,7 +75,7 @@ def test_tries_that_blew_up_are_left_out_and_one_more_is_made(record: Record) ->
 
 def test_a_run_whose_companions_are_all_lost_is_unstable(record: Record) -> None:
     for companion in range(3):
-        scaled(record, companion, 1e8, ("contact_force_squared_max", *WORKS))
+        scaled(record, companion, 1e8, ("contact_force_squared_max", *COMPANION_WORKS))
     judgement = trust(record)
     assert is_unstable(record) and judgement is not None and judgement.unstable
 

@@ -22,6 +22,7 @@ from ..solvers.scales import NEGLIGIBLE, Scales, scales
 from ..solvers.status import Status
 from .catalogue import INFLUENCE, PEAKS, Groups, compared, lip, measures, over_run, over_turn, unit_of
 from .contacts import pressure_bounds
+from .energy import unstable_companions
 from .event_ranges import event_errors, friction_losses, widened
 from .extrapolation import SCATTER, SCATTER_OF_TRIES, VANISHING, error_of_mean, widen
 from .output_intervals import cut_errors
@@ -29,7 +30,6 @@ from .repetition import Turns, part_of, turns
 from .samples import Samples
 from .statics import EXACT
 from .turns import after_first, companion_turns_of, each_turn, last_turn, of_window, record_of_companion
-from .unstable import unstable_companions
 from .values import Measured, Measures
 from .zero_limits import zero_limits
 
@@ -59,8 +59,8 @@ def companion_records(record: Record) -> Iterator[Record]:
 
 def sound_companions(record: Record) -> list[int]:
     """Return the numbers of the companions with finite numbers that have not blown up."""
-    companions, lost = record.companions, unstable_companions(record)
-    return [] if companions is None else [k for k in range(len(companions.counts)) if k not in lost]
+    companions, omissions = record.companions, unstable_companions(record)
+    return [] if companions is None else [k for k in range(len(companions.counts)) if k not in omissions]
 
 
 def ranged(record: Record, reference: Mapping[str, float] | None = None, groups: Choice = None) -> Measures:

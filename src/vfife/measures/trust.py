@@ -13,11 +13,10 @@ from ..solvers.record import Record
 from ..solvers.scales import scales
 from ..solvers.status import Status
 from .catalogue import PEAKS
-from .energy import ledger, own_floor
+from .energy import is_unstable, ledger, own_floor, unstable_companions
 from .error_ranges import largest, later_spread, over_tries, ranged, spreads
 from .repetition import turns
 from .statics import spreads as static_spreads
-from .unstable import is_unstable, unstable_companions
 from .values import Measured
 
 # How often an automatic step is halved at the most: for companions that diverge, and for a smooth run with

@@ -118,7 +118,8 @@ def verdict(summary: Json) -> str:
 
 def unstable_tries(trust: Json) -> str:
     """Return which larger steps were not stable and are left out of ranges; "" without any."""
-    steps = [prefixed(trial["step"], "s") for trial in trust["tried"] if (trial["apart"] or 0.0) > 1.0]
+    tries = trust.get("tried", ())  # none in a summary of a former version
+    steps = [prefixed(trial["step"], "s") for trial in tries if (trial["apart"] or 0.0) > 1.0]
     if not steps:
         return ""
     return (

@@ -113,7 +113,7 @@ class Companions:
     ``divergent`` are the companions whose numbers are no longer finite. ``earlier``: ranges (low, high) by
     measure from an abandoned run with twice the step. ``tries``: ranges of the values of all abandoned runs.
     ``burst``: finite companions that blew up, None before these are looked for
-    (:mod:`~vfife.measures.unstable`).
+    (:mod:`~vfife.measures.energy`).
     """
 
     counts: Counts
