@@ -16,7 +16,7 @@ from choice import default_cases
 from vfife import load_model, simulate
 from vfife.assembly import possible
 from vfife.errors import VfifeError
-from vfife.kinematics import initial
+from vfife.kinematics import initial, start
 from vfife.kinematics.solve import close_all
 from vfife.measures.catalogue import PEAKS, over_turn
 from vfife.measures.repetition import turns
@@ -163,7 +163,7 @@ def test_the_start_of_a_case_and_of_its_ideal_mechanism_is_solved_once(
         closed.append(arguments)
         return close_all(*arguments)
 
-    monkeypatch.setattr(initial, "close_all", counted)
+    monkeypatch.setattr(start, "close_all", counted)
     assert len(made(load_model(CASE_C), spread("body.follower.length"))) == COUNT
     assert [len(systems) for systems, *_ in closed] == [1, COUNT - 1], (
         "the first by itself, the others at once"
@@ -179,7 +179,7 @@ def test_cases_with_seated_journals_are_solved_at_once_and_as_each_alone(
 ) -> None:
     """Where a journal starts seated follows from its clearance, so that this one is no number of a record."""
     base, closed = load_model(EXAMPLES / "compressor.toml"), []
-    monkeypatch.setattr(initial, "close_all", lambda *own: closed.append(len(own[0])) or close_all(*own))
+    monkeypatch.setattr(start, "close_all", lambda *own: closed.append(len(own[0])) or close_all(*own))
     numbers = [{path: value * (1.0 + 0.004 * k)} for k in range(COUNT)]
     made_at_once = list(Cases(base, CaseSpec(("big-end.force.max",), 2)).prepare_each(numbers))
     assert max(closed) == COUNT - 1 and len(closed) <= 6, "the first, and all others at once"
