@@ -297,7 +297,7 @@ def over_values(sweep: Waterfall, hertz: bool = False) -> Figure:
         )
         ax.set_xlim(left=0.0)
     part = f"not complete, {sweep.progress}; " if sweep.progress else ""
-    return panels.close(f"{part}{sweep.name}: {sweep.words}; {sweep.limits}; no companions")
+    return panels.close(f"{part}{sweep.name}: {sweep.words}; {sweep.limits}; errors not estimated")
 
 
 def cell_edges(sweep: Waterfall, hertz: bool) -> Array:

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..job.progress import counted
+from ..laws.stored import standing_in
 from ..measures.catalogue import COUNTED
+from ..modelfile import loads
 from ..numerics.outward import DOWN, NEAREST, UP, significant
 from ..results.case_errors import NOT_ESTIMATED
 from ..store.lock import holder
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
 
 MOST_FAILED = 10  # failed cases that are shown
 LEAST_GROUPS = 256  # of a design of Saltelli, as recommended by docs/tolerance.md
+FORCE = ".force.max"  # end of the name of a measure whose largest value needs the cautions of a run
 IMPACT_SPEED = ".approach_speed.max"  # end of the name of a measure that is 0 without impacts
 NO_IMPACT = "no impact"
 # What measures of impacts leave out, after the name of the joint whose largest force has it.
@@ -181,6 +184,7 @@ def document(study: Study, cases: bool = False, members: bool = False) -> Docume
     parts += [Paragraph(text, lead=f"{study.model}: "), Paragraph(turns)]
     parts += [Paragraph(sentence, lines="whole") for sentence in remarks_on_turns(study)]
     parts += [parameter_table(study), extreme_table(study), error_table(study), *study_cautions(study)]
+    parts += missing_cautions(study)
     if cases or members:
         parts.append(case_table(study, "status"))
     for case, reason in study.failed[:MOST_FAILED]:
@@ -194,6 +198,25 @@ def document(study: Study, cases: bool = False, members: bool = False) -> Docume
     if members:
         data["members"] = [{"member": row["case"], **row} for row in study.rows()]
     return Document(parts, data=data)
+
+
+def missing_cautions(study: Study) -> list[Part]:
+    """Return a line on the cautions that only runs have, with the case to run: that of the largest force, or
+    of the largest value of the first measure. Empty without contact and without values.
+    """
+    measures = extremes(study)
+    name = next((name for name in measures if name.endswith(FORCE)), next(iter(measures), ""))
+    largest = measures[name]["largest_at"] if name else None
+    if largest is None or not has_contact(study):
+        return []
+    text = f"vfife run with {values_words(study, largest)} has them for the largest {name}."
+    return [Paragraph(text, lead="Cases have no cautions about contact laws, pressures and whirl: ")]
+
+
+def has_contact(study: Study) -> bool:
+    """Return whether the mechanism of a study has contact."""
+    with standing_in(study.request["own_laws"]):
+        return bool(loads(study.request["text"]).contacts)
 
 
 def remarks_on_turns(study: Study) -> list[str]:
