@@ -28,7 +28,7 @@ pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
 
 from vfife.live.server.app import served
-from vfife.live.server.session import MOST_BROWSERS, Mailbox, Session, text_of
+from vfife.live.server.session import MOST_BROWSERS, Mailbox, Runs, Session, text_of
 
 TEXT = "# kept\n" + dump(gallery.four_bar_case_b())
 
@@ -439,3 +439,33 @@ def test_what_keeps_it_from_being_served_is_a_sentence(folder, monkeypatch, clie
     monkeypatch.delitem(sys.modules, "vfife.live.server.app")
     code, said = told(folder / "bar.toml", "--no-browser")
     assert code == 2 and "vfife[live]" in said and "-o PAGE.html" in said
+
+
+def test_progress_of_a_run_is_told_line_by_line_and_left_out_of_its_answer(folder, monkeypatch):
+    """A program in place of the command line waits between its lines until the line before was reported."""
+    program = """
+import pathlib, sys, time
+print("the answer", flush=True)
+for share in (" 58", "100"):
+    print(f"{share} %  1,000 of 2,000 steps  0.2 s left", file=sys.stderr, flush=True)
+    while not pathlib.Path(share.strip()).exists():
+        time.sleep(0.01)
+print("its end", flush=True)
+"""
+    monkeypatch.setattr("vfife.live.server.session.COMMAND", program)
+    events: list[dict] = []
+    ended = threading.Event()
+
+    def notify(event: dict) -> None:
+        events.append(event)
+        if event["kind"] == "progress":
+            (folder / event["said"].partition(" ")[0]).touch()
+        else:
+            ended.set()
+
+    runs = Runs(notify, folder, [])
+    runs.begin(Session(folder, sliders=False).shelf.from_text("any", TEXT))
+    assert ended.wait(30.0)
+    assert [event["kind"] for event in events] == ["progress", "progress", "run"]
+    assert events[0]["said"].startswith("58 %") and events[1]["said"].startswith("100 %")
+    assert events[2]["code"] == 0 and events[2]["said"] == "the answer\nits end"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
 import subprocess
 import sys
 import threading
@@ -23,6 +24,7 @@ INTERVAL = 0.2  # s between two checks of the files
 MOST_BROWSERS = 64
 # The command line in a process. Called so, it names itself "vfife" in the commands that it proposes.
 COMMAND = "from vfife.__main__ import main; main()"
+PROGRESS = re.compile(r" *\d+ % ")  # begins a line on the progress of a run
 Key = tuple[str, str]
 
 
@@ -77,8 +79,15 @@ class Runs:
         threading.Thread(target=self._wait, args=(document.id, process), daemon=True).start()
 
     def _wait(self, identity: str, process: subprocess.Popen[str]) -> None:
-        output, _ = process.communicate()
-        self.notify({"kind": "run", "id": identity, "code": process.returncode, "said": output.strip()})
+        """Report the progress of a run, line by line, and its answer at its end."""
+        lines = []
+        for line in process.stdout or ():
+            if PROGRESS.match(line):
+                self.notify({"kind": "progress", "id": identity, "said": line.strip()})
+            else:
+                lines.append(line)
+        code = process.wait()
+        self.notify({"kind": "run", "id": identity, "code": code, "said": "".join(lines).strip()})
 
     def stop(self, identity: str) -> None:
         """End a run as Ctrl-C does, which keeps its outputs."""

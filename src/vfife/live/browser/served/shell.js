@@ -326,7 +326,7 @@ async function run() {
   if (!answer.ok) return changed(answer);
   session.run = session.model.id;
   $("told-title").textContent = `Running ${session.model.file}`;
-  $("told-text").textContent = "with companions, as vfife run does …";
+  $("told-text").textContent = "With companions, as vfife run does. Progress appears here every ten seconds.";
   $("stop").hidden = false;
   $("told").showModal();
 }
@@ -350,6 +350,9 @@ const HEARD = {
   end: () => {
     source.close();
     state("vfife live has been ended");
+  },
+  progress: (event) => {
+    if (session.run === event.id) $("told-text").textContent = event.said;
   },
   run: (event) => {
     if (session.run !== event.id) return;
