@@ -13,7 +13,7 @@ import pytest
 from architecture.size import Size, size_of, sizes, tokens
 
 LIMITS = Size(
-    files=506,
+    files=507,
     code=72_000,
     tokens=722_000,
     import_lines=7_000,

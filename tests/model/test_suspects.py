@@ -364,3 +364,38 @@ def test_a_speed_as_a_text_without_a_unit_is_questioned_as_the_number_is() -> No
         m.drive("crank", speed=speed)
         questions.append([text for text in suspects(m) if "is it 600 rpm?" in text])
     assert len(questions[0]) == 1 and questions[0] == questions[1]
+
+
+def of_steel(**constants: float) -> Mechanism:
+    """A linkage whose coupler has a section of a material with these constants."""
+    m = linkage()
+    material = dataclasses.replace(vfife.laws.Material(), **constants)
+    section = vfife.bodies.Section.rectangle(0.01, 0.01)
+    m.bodies["coupler"] = dataclasses.replace(m.bodies["coupler"], material=material, section=section)
+    return m
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "words"),
+    [
+        (dataclasses.replace(linkage(), gravity=(0, -9810)), "1,000 times that of the Earth: is it 9810 mm"),
+        (of_steel(youngs_modulus=207.0), "of material steel is 207 Pa, below that of rubber: is it 207 GPa?"),
+        (of_steel(youngs_modulus=2.07e5), "is 207000 Pa, below that of rubber: is it 207000 MPa?"),
+        (of_steel(youngs_modulus=207e12), "is 2.07e+14 Pa, above that of diamond: check its unit."),
+        (of_steel(density=7.8), "is 7.8 kg/m^3, below that of foams: is it 7.8 g/cm^3?"),
+        (of_steel(density=7.8e-9), "is 7.8e-09 kg/m^3, below that of foams: is it 7.8e-09 t/mm^3?"),
+        (of_steel(density=7.8e6), "is 7.8e+06 kg/m^3, above that of any metal: check its unit."),
+    ],
+)  # fmt: skip
+def test_constants_in_units_of_other_programs_are_told(mechanism, words):
+    (told,) = suspects(mechanism)
+    assert words in told
+
+
+def test_a_material_of_a_surface_is_told_too():
+    m = with_clearance(linkage(), 1e-4)
+    plastic = vfife.laws.Material("plastic", 3000.0, 0.4, 1400.0)
+    m.joints["C"] = dataclasses.replace(m.joints["C"], journal_material=plastic)
+    (told,) = suspects(m)
+    assert "material plastic is 3000 Pa" in told and "3000 MPa?" in told
+    assert suspects(of_steel(youngs_modulus=7e5, density=20.0)) == ()  # a foamed rubber

@@ -14,6 +14,7 @@ from ...numerics.scalar import cos, distance, hypot, sin
 from ...units import in_rpm
 from ..bodies import Frame, Link, PointMass, RigidBody
 from .checks import neighbours_of, reached
+from .constants import suspect_constants
 
 if TYPE_CHECKING:
     from ..loads import Load
@@ -63,6 +64,7 @@ def suspect_sizes(mechanism: Mechanism) -> tuple[str, ...]:
         *_frictions(mechanism),
         *_pressures(mechanism),
         *_masses(mechanism),
+        *suspect_constants(mechanism),
     )
 
 
