@@ -5,12 +5,14 @@ counts it, and the force rises above that of the ideal joint.
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 
 import vfife
 from vfife import gallery
 from vfife.measures.blows import blows, impact_rows
+from vfife.report.front import conclusion
 from vfife.report.overview import overview
 from vfife.report.run_tables import blow_texts
 from vfife.report.summary import run_summary
@@ -62,6 +64,46 @@ def test_the_answer_names_the_blow_beside_the_knocks() -> None:
     assert "small-end" in line and "above the ideal joint at" in line and "no knock; not estimated" in line
     summary["blows"] = {}
     assert "Blow" not in as_text(overview(summary), 200)
+
+
+def pushed(**options: Any) -> dict[str, Any]:
+    """Summary of a four-bar at 300 rpm, in which a journal slides along its bearing and is thrown across it
+    once in each turn.
+    """
+    m = vfife.Mechanism("four-bar", gravity=(0.0, -9.81))
+    m.point("A", 0.0, 0.0)
+    m.point("D", 0.2, 0.0)
+    links = (("crank", 0.06, 0.5, 0), ("coupler", 0.18, 0.8, 50), ("follower", 0.15, 0.7, 80))
+    for name, length, mass, angle in links:
+        m.link(name, length=length, mass=mass, angle=f"{angle} deg")
+    m.revolute("A", "ground.A", "crank.start")
+    m.revolute("B", "crank.end", "coupler.start")
+    contact, friction = vfife.laws.LankaraniNikravesh(restitution=0.6), vfife.laws.Ambrosio(coefficient=0.08)
+    m.clearance_joint(
+        "C", "coupler.end", "follower.end", clearance=6e-5, bearing_radius=0.008, axial_length=0.016,
+        contact=contact, friction=friction,
+    )  # fmt: skip
+    m.revolute("D", "ground.D", "follower.start")
+    m.drive("crank", speed="300 rpm")
+    return run_summary(vfife.simulate(m, companions=0, **options))
+
+
+def test_the_answer_names_a_blow_that_makes_the_largest_force_of_a_joint_without_knocks() -> None:
+    """The words "no knocks" alone would call the joint quiet."""
+    summary = pushed(turns=6)
+    lines = as_text(overview(summary), 200).splitlines()
+    blow = next(line for line in lines if line.startswith("Blow"))
+    assert any(line.startswith("Noise") and "no knocks" in line for line in lines)
+    assert "C 1" in blow and "N above the ideal joint at" in blow
+    assert "A blow in closed contact: C" in " ".join(conclusion(summary))
+    summary["blows"]["C"]["excess"] = 0.1 * summary["measures"]["C.force.max"]
+    assert "Blow" not in as_text(overview(summary), 200)
+
+
+def test_a_step_that_does_not_divide_a_turn_leaves_blows_undetermined() -> None:
+    summary = pushed(turns=6, step=0.71e-6)
+    assert summary["blows"] == {}
+    assert "Blow" in (text := as_text(overview(summary), 200)) and "not determined, because the step" in text
 
 
 def test_without_an_ideal_mechanism_there_is_none() -> None:

@@ -476,3 +476,17 @@ def test_the_first_sentence_of_a_report_tells_that_a_force_is_a_mean_over_turns(
         first
     )
     assert " (mean), a change of " in joint
+
+
+def test_single_turns_are_those_of_the_joint_whose_turns_reach_most() -> None:
+    """The turns of the most loaded joint agree within its range; a smaller force whose turns differ says
+    nothing about the largest one.
+    """
+    summary = with_ranges(B=(300.0, 400.0), C=(1000.0, 1400.0), D=(300.0, 400.0))
+    summary["turns"] = {**(summary["turns"] or {}), "motion": "not periodic", "first": 11, "last": 20}
+    summary["ranges"]["D.force.max"] |= {"lowest": 100.0, "highest": 900.0}
+    first, *_ = conclusion(summary)
+    assert first.startswith("With clearance the largest joint force, a mean over turns, is "), first
+    assert "single turns" not in first
+    summary["ranges"]["D.force.max"]["highest"] = 1700.0
+    assert "; single turns reach 1.7 kN, in joint D" in conclusion(summary)[0]

@@ -21,7 +21,7 @@ from vfife.report.document import (
     Table,
 )
 from vfife.report.html import DOCUMENTS, fragment, notebook
-from vfife.report.terminal import write
+from vfife.report.terminal import as_text, write
 from vfife.studies.methods.compare import Comparison
 
 MARKUP = "[red]a[/red] <b>b</b>"
@@ -100,3 +100,14 @@ def test_a_notebook_shows_the_table_of_a_comparison() -> None:
         and "&lt;four&gt;: joint C" in notebook(found)
         and "Folder" not in notebook(found)
     )
+
+
+@pytest.mark.parametrize("columns", [20, 40, 60, 80])
+def test_a_table_ends_whose_widest_heading_reads_like_a_range(columns: int) -> None:
+    """A heading is never broken, so its column cannot become narrower; ranges of other columns can."""
+    heads = ("joint", "range", "lowest to highest turn", "moment")
+    rows = [("crankpin", "1,290 to 1,630 N", "1,350 to 1,800 N", "1.14 to 1.45 N m")]
+    text = as_text(Document([Table.numeric(heads, rows)], data={}), columns)
+    assert "".join(["1,350", "to", "1,800", "N"]) in "".join(text.split()) or columns < 60
+    if columns == 60:
+        assert "1,290 to  " in text and "1,350 to 1,800 N" in text

@@ -223,9 +223,9 @@ def out_of_range(result: RunData) -> Iterator[str]:
     excesses = [*_deep_penetrations(result, extremes), *_high_pressures(result.record)]
     if excesses:
         yield (
-            "Beyond what joints are built for, in the largest values of the whole run (tables show those of"
-            f" its last turns): {'; '.join(excesses)}. The forces are still those of the laws; check loads,"
-            " sizes and materials, and the stiffness of the law."
+            "Beyond what joints are built for, in the whole run (tables show its last turns):"
+            f" {'; '.join(excesses)}. The forces are still those of the laws; check loads, sizes, materials"
+            " and stiffness."
         )
 
 

@@ -139,7 +139,7 @@ def _cost(summary: Json) -> str:
     if not joints:
         return ""
     names, single = _most_loaded(summary), _single_turn(summary)
-    mean = ", a mean over turns," if single else ""
+    mean = ", a mean over turns," if _turns_differ(summary) else ""
     name, force = or_words(names), _largest_force(summary, names)
     if not any(joint.get("clearance") for joint in joints.values()):
         return f"No joint has clearance; the largest joint force{mean} is {force}, in joint {name}{single}."
@@ -150,10 +150,18 @@ def _cost(summary: Json) -> str:
     if len(names) > 1:
         ideal = prefixed(max(ideals), "N")
         return f"{lead}, in joint {name}{single}; with ideal joints it is {ideal}."
-    change, place = _change(summary, name), "in that joint" if single else "there"
+    change, place = _change(summary, name), "in that joint" if mean else "there"
     return (
         f"{lead} in joint {name}{single}; with ideal joints it is {ideal_force_text(summary, name)}"
         f" {place}{f', {change}' if change else ''}."
+    )
+
+
+def _turns_differ(summary: Json) -> bool:
+    """Return whether largest forces are means over turns that differ."""
+    names = (f"{joint}.force.max" for joint in summary["joints"])
+    return any(
+        turns_text(summary, name, "N", CERTAIN) and not is_undetermined(summary, name) for name in names
     )
 
 
@@ -161,14 +169,16 @@ def _single_turn(summary: Json) -> str:
     """Return the largest force of a single turn and its joint, where largest forces are means over turns that
     differ; empty elsewhere.
     """
+    ranges = summary.get("ranges") or {}
     names = [f"{joint}.force.max" for joint in summary["joints"]]
-    spans = {name: turns_text(summary, name, "N", CERTAIN) for name in names}
-    differing = [name for name in names if spans[name] and not is_undetermined(summary, name)]
-    if not differing:
+    known = [name for name in names if name in ranges and not is_undetermined(summary, name)]
+    if not known:
         return ""
-    name = max(differing, key=lambda entry: float(summary["ranges"][entry]["highest"]))
-    largest = spans[name].rpartition(" to ")[2]
-    return f"; single turns reach {largest}, in joint {name.removesuffix('.force.max')}"
+    # Of all joints: where the turns of the most loaded one hardly differ, its mean is the largest already.
+    name = max(known, key=lambda entry: float(ranges[entry]["highest"]))
+    span = turns_text(summary, name, "N", CERTAIN)
+    largest = span.rpartition(" to ")[2]
+    return f"; single turns reach {largest}, in joint {name.removesuffix('.force.max')}" if span else ""
 
 
 def _most_loaded(summary: Json) -> list[str]:

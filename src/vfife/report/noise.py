@@ -57,11 +57,19 @@ def _silent_words(summary: Json, names: list[str]) -> str:
 
 
 def blow(summary: Json) -> Iterator[tuple[str, str]]:
-    """Yield the largest blow in closed contact that the largest force of its joint does not show."""
+    """Yield the largest blow in closed contact that the answer does not show otherwise: its joint has no
+    knock in the turns of the measures, or its largest force is another one.
+    """
+    if (summary["turns"] or {}).get("peaks_only") and any(
+        knock_texts(summary, joint)[0] in ("none", NONE_BEGAN) for joint in summary["joints"]
+    ):
+        yield "Blow", f"not determined, because the step does not divide a turn ({NOT_ESTIMATED})"
+        return
     for name, text in blow_texts(summary).items():
         joint = summary["joints"][name]
         rise = joint["force.max"] - (joint["ideal_force.max"] or 0.0)
-        if summary["blows"][name]["excess"] > HIDDEN * rise:
+        quiet = knock_texts(summary, name)[0] in ("none", NONE_BEGAN)
+        if quiet or summary["blows"][name]["excess"] > HIDDEN * rise:
             yield "Blow", f"{text} (no knock; {NOT_ESTIMATED})"
             return
 

@@ -127,13 +127,13 @@ def _width(grid: Grid) -> int:
 
 
 def _widest_range(part: Table, rows: Sequence[Sequence[str]]) -> int:
-    """Return the column of numbers with the longest range that is on one line and decides its width, -1 for
-    none.
+    """Return the column of numbers with the longest range that is on one line and wider than its heading,
+    -1 for none. Headings are never broken, so each call with a column leaves fewer ranges on one line.
     """
     widths: dict[int, int] = {}
     for k in part.numbers:
-        cells = [part.headings[k], *(row[k] for row in rows if k < len(row))]
-        widest = max(cells, key=lambda cell: max(map(len, cell.split("\n"))))
-        if " to " in widest:
+        cells = [row[k] for row in rows if k < len(row)]
+        widest = max(cells, key=lambda cell: max(map(len, cell.split("\n"))), default="")
+        if " to " in widest and len(widest) > len(part.headings[k]):
             widths[k] = len(widest)
     return max(widths, key=widths.__getitem__, default=-1)
