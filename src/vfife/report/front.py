@@ -171,11 +171,11 @@ def _single_turn(summary: Json) -> str:
     """
     ranges = summary.get("ranges") or {}
     names = [f"{joint}.force.max" for joint in summary["joints"]]
-    known = [name for name in names if name in ranges and not is_undetermined(summary, name)]
-    if not known:
+    names = [name for name in names if name in ranges and not is_undetermined(summary, name)]
+    if not names:
         return ""
     # Of all joints: where the turns of the most loaded one hardly differ, its mean is the largest already.
-    name = max(known, key=lambda entry: float(ranges[entry]["highest"]))
+    name = max(names, key=lambda entry: float(ranges[entry]["highest"]))
     span = turns_text(summary, name, "N", CERTAIN)
     largest = span.rpartition(" to ")[2]
     return f"; single turns reach {largest}, in joint {name.removesuffix('.force.max')}" if span else ""
