@@ -312,3 +312,12 @@ def test_a_groove_deeper_than_the_clearance_is_in_the_headline():
     depth[-1, 0, 0] += 18.0 * clearance
     title = document(dataclasses.replace(found, depth=depth)).title
     assert f"the groove in {joint}, {18e6 * clearance:.3g} µm deep, is 18 times its clearance" in title
+
+
+def test_the_answer_names_joints_whose_wear_is_not_computed():
+    """A block in a guide loses volume but has no profile."""
+    m = loose_pin()
+    m.joints["guide"] = vfife.gallery.slider_crank_loose_guide().joints["guide"]
+    answer = str(document(wear(m, 1e5, block=1, settle=1, step=1e-5)).parts)
+    assert "The wear of guide is not computed here" in answer
+    assert "is not computed here" not in str(document(worn()).parts)
