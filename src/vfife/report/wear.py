@@ -135,8 +135,8 @@ def _remarks(wear: Worn) -> Iterator[str]:
     yield from _coefficients(mechanism, wear)
     if left_out := [name for name in mechanism.contacts if name not in wear.joints]:
         yield (
-            f"The wear of {', '.join(left_out)} is not computed here: it has no coefficient, or is no pin joint. The"
-            " answer of a run has the worn volume of each joint with a table wear."
+            f"The wear of {', '.join(left_out)} is not computed here: it has no coefficient, or is no pin"
+            " joint. The answer of a run has the worn volume of each joint with a table wear."
         )
     if spec.harmonics == 0:
         yield "Clearances do not follow the wear, so depths are proportional to the turns."
