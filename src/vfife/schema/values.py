@@ -176,8 +176,8 @@ class Share(Measure):
             if not fault.what.endswith("too large") or "%" in str(value):
                 raise
             bare = number(value, self.unit) if isinstance(value, str) else float(value)
-            meant = bare / 100.0
-            question = f'; is "{bare:g} %" meant?' if self.allows(meant) else ""
+            share = bare / 100.0
+            question = f'; is "{bare:g} %" meant?' if self.allows(share) else ""
             remedy = f"this is {100.0 * bare:g} %{question}"
             raise value_fault(value, self.limits(), remedy, "too large") from None
 

@@ -111,9 +111,7 @@ class StudySpec:
         Measure("s", above=0.0), "length of each case, instead of turns of a crank", None
     )
     settle: float | None = described(
-        REPETITION,
-        "end a case as soon as turns repeat within this share of their size",
-        None,
+        REPETITION, "end a case as soon as turns repeat within this share of their size", None
     )
     last: int = described(Integer(1, MOST_TURNS), "turns at the end over which measures are averaged", 1)
     step: Any = described(Measure("s", above=0.0, words=("auto",)), "time step of every case", "auto")
