@@ -233,9 +233,9 @@ def wear_facts(summary: Json) -> list[tuple[str, str]]:
     """Return a line on the surfaces that are worn already: their clearance is that without the wear."""
     texts = [
         f"{name} up to "
-        + " and ".join(f"{prefixed(depth, 'm', direction=UP)} ({side})" for side, depth in worn.items())
+        + " and ".join(f"{prefixed(depth, 'm', direction=UP)} ({side})" for side, depth in depths.items())
         for name, joint in summary["joints"].items()
-        if (worn := joint.get("worn"))
+        if (depths := joint.get("worn"))
     ]
     return [("Worn surfaces", f"{'; '.join(texts)}, in addition to the clearance")] if texts else []
 

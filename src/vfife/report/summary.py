@@ -308,9 +308,9 @@ def _joints(result: RunData, measures: dict[str, float], ideal: Any) -> dict[str
 def _surfaces(joint: Contact) -> Json:
     """Return whether the surfaces are those of a guide, and the greatest depth (m) of those that are worn."""
     depths = {side: deepest(getattr(joint.wear, f"{side}_profile", ())) for side in SIDES}
-    worn = {side: depth for side, depth in depths.items() if depth}
+    depths = {side: depth for side, depth in depths.items() if depth}
     guide: Json = {"guide": True} if isinstance(joint, ClearanceSlider) else {}
-    return guide | ({"worn": worn} if worn else {})
+    return guide | ({"worn": depths} if depths else {})
 
 
 def _laws(result: RunData) -> dict[str, Json]:
