@@ -22,6 +22,7 @@ EXPECTED = {
     "speed sweep": "map sweep", "gradient": "sensitivity", "excel": "export", "matlab": "export",
     "csv": "export", "video": "animate", "pdf": "report", "draw": "plot", "continue": "resume",
     "pareto": "optimise", "hardness": "materials", "hertz": "laws", "backlash": "run", "validation": "verify",
+    "deviation": "study tolerance", "miss target": "study tolerance",
     "gallery": "new", "browser": "live", "autocomplete": "schema",
 }  # fmt: skip
 

@@ -56,12 +56,19 @@ def test_wear_is_drawn_told_and_gone_on_with(command, tmp_path, request):
     assert "within a factor of 10, 4.4e-13 to 4.4e-11 1/Pa, with oil 4.4e-15 and less" in said
     assert (tmp_path / "a-wear.png").read_bytes().startswith(
         b"\x89PNG"
-    ) and "turns,joint,side,angle,depth,body" in (tmp_path / "a.csv").read_text()
+    ) and "turns,joint,side,angle [rad],depth [m],body" in (tmp_path / "a.csv").read_text()
     assert len(vfife.load_model(tmp_path / "worn.toml").contacts["pin"].wear.bearing_profile) == 15
     assert "2,000 of 2,000 turns" in done.stderr
     request.getfixturevalue("unrendered")
     again = command(*words)
     assert again.exit_code == 0 and "2,000 of" not in again.stderr and again.stdout == done.stdout
+    assert again.stdout.splitlines()[-1] == "a.wear, a-wear.png, a.csv, worn.toml"
+    commas = command("wear", "a.wear", "--csv", "c.csv", "--decimal", "comma")
+    assert commas.exit_code == 0 and commas.stdout.splitlines()[-1].endswith("c.csv")
+    row = (tmp_path / "c.csv").read_text(encoding="utf-8-sig").splitlines()[1]
+    assert row.startswith("0,0;pin;bearing;-3,1") and row.endswith(";0,0;rod")
+    wrong = command("wear", "a.wear", "--csv", "c.xlsx", "--decimal", "comma")
+    assert wrong.exit_code == 2 and 'decimal = "comma" is for .csv' in " ".join(wrong.stderr.split())
     shown = command("wear", "a.wear", "--figure", "b.svg")
     assert shown.exit_code == 0 and "pin: block (journal)" in shown.stdout and (tmp_path / "b.svg").exists()
     other = command("info", "a.wear")

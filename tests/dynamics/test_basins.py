@@ -2,6 +2,8 @@
 
 import dataclasses
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,7 +11,7 @@ import pytest
 import vfife
 from mechanisms import snapping
 from vfife.dynamics import load_map
-from vfife.dynamics.basins import attractors, basins
+from vfife.dynamics.basins import Basins, attractors, basins
 from vfife.dynamics.bifurcation import bifurcation
 from vfife.dynamics.step_check import CheckedMap, Companion, packed, sampled, unpacked
 from vfife.errors import ModelError
@@ -228,6 +230,16 @@ class Members(CheckedMap):
 
     def name_of(self, case: Companion) -> str:
         return f"member {case.number}"
+
+
+def test_starts_are_named_in_the_units_of_the_figure() -> None:
+    numbers = {"body.rod.angle": math.pi / 2.0, "body.rod.rate": 2.0}
+    spec = SimpleNamespace(paths=tuple(numbers), units=("rad", "rad/s"), numbers=lambda case: numbers)
+    found: Any = SimpleNamespace(spec=spec)
+    assert (
+        Basins.name_of(found, Companion(0, 0, 0.8, "period 1"))
+        == "body.rod.angle = 90 deg, body.rod.rate = 2"
+    )
 
 
 def test_companions_that_differ_are_named() -> None:

@@ -113,6 +113,7 @@ def test_positions_that_no_model_may_have_are_left_out():
     (slide,) = found.slides
     assert slide.values[-1] < radius
     assert "joint.C.clearance" in found.notes[0] and "left out, as the last of them: " in found.notes[0]
+    assert not found.notes[0].endswith("."), "the note becomes a sentence where it is printed"
 
 
 def test_ranges_are_read_with_their_units():
@@ -153,6 +154,7 @@ def test_sliders_of_clearances_have_the_same_factors_where_their_ranges_overlap(
     ("text", "said"),
     [
         ("joint.C.clearance", "PATH=LOW..HIGH"),
+        ("joint.C.clearance=0.01..0.2", 'Write "0.2 mm", or "0.2 m"'),
         ("joint.C.clearance=1mm", "PATH=LOW..HIGH"),
         ("joint.C.clearance=2..1mm", "empty"),
         ("joint.X.clearance=1..2mm", "there is no"),

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from vfife.measures.chaos import exponent, period, verdict, zero_one
+from vfife.measures.chaos import exponent, period, signed_range, verdict, zero_one
 
 
 def logistic(r: float, count: int, dropped: int = 2000) -> tuple[np.ndarray, np.ndarray]:
@@ -36,6 +36,8 @@ def test_a_range_of_the_exponent_holds_the_motion_with_half_the_step():
     turns = 0.2 / 40  # the sum of the logarithms swings by 0.2 about its slope in 40 turns
     assert found.low == pytest.approx(6.8 - 2.0 * 1.4 - turns)
     assert found.high == pytest.approx(8.2 + 2.0 * 1.4 + turns)
+    assert signed_range(0.15378, 0.50888) == "+0.153 to +0.509", "outwards, in text and figure alike"
+    assert signed_range(-0.71399, 0.8414, "and") == "-0.714 and +0.842"
     drift = exponent([4.0] * 20 + [6.0] * 20)
     assert drift.with_finer(drift).low == pytest.approx(2.0)
     assert "to" in found.words and "halves" not in found.words
@@ -115,5 +117,10 @@ def test_motions_are_told_with_their_evidence():
     ):
         points, logs = logistic(r, 400, dropped=20_000)
         assert verdict(points, exponent(logs)).kind == said
+    # Too few points to repeat: no share of a range, and no shift that was not tried.
+    assert "whether turns repeat is not known" in verdict(np.array([0.0, 1.0])).evidence
+    assert verdict(logistic(3.9, 5)[0]).evidence.startswith("points a turn apart agree within")
+    assert verdict(logistic(3.9, 9)[0]).evidence.startswith("points up to 3 turns apart agree within")
+    assert not any("nan" in verdict(logistic(3.9, count)[0]).evidence for count in range(1, 12))
     turning = np.cos(2.0 * math.pi * 0.5 * (math.sqrt(5.0) - 1.0) * np.arange(400))
     assert verdict(turning, exponent(np.zeros(400))).kind == "quasi-periodic"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -18,6 +19,7 @@ from tribology.test_wear import GIVEN as WEAR
 from tribology.test_wear import loose_pin
 from vfife.dynamics import basins, load_map, poincare_section, waterfall
 from vfife.plots.sensitivity import bars, forces
+from vfife.report.dynamics import _chaos
 from vfife.report.front import conclusion
 from vfife.report.html import document_of, text
 from vfife.report.overview import heading_sentence
@@ -66,11 +68,23 @@ def test_a_diagram(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_no_chaos_is_limited_to_what_is_computed() -> None:
-    given: dict[str, Any] = {"count": 3, "turns": 30, "step": 2e-4, "series": ["block.x"], "companions": 0}
+    given: dict[str, Any] = {"count": 3, "turns": 120, "step": 2e-4, "series": ["block.x"], "companions": 0}
     part = vfife.bifurcation(
         driven_oscillator(), "spring.spring.damping", 1.0, 2.0, **given, progress=stop_after(2)
     )
     assert "No chaos was found in the 2 of 3 values." in text(part)
+
+
+def test_no_chaos_is_not_said_of_motions_that_are_not_decided() -> None:
+    def words(*kinds: str) -> str:
+        diagram: Any = SimpleNamespace(
+            shown=(1.0, "m"), progress="", kinds=[kinds], spec=SimpleNamespace(ways=["up"], values=(1.0, 2.0))
+        )
+        return _chaos(diagram)
+
+    assert words("period 1", "period 2") == "No chaos was found."
+    assert words("not settled", "not decided").startswith("Whether there is chaos is not known")
+    assert words("period 1", "not settled") == "No chaos was found; of 1 of 2 motions nothing is known."
 
 
 def test_basins(tmp_path: Path) -> None:

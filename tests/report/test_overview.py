@@ -16,10 +16,19 @@ from rich.console import Console
 import vfife
 from vfife import gallery
 from vfife.model.mechanism import Mechanism
+from vfife.model.wear import Wear
 from vfife.report.amounts import prefixed
 from vfife.report.digits import CERTAIN
 from vfife.report.front import conclusion
-from vfife.report.overview import cautions, certainty, errors, joint_table, overview, uncertain
+from vfife.report.overview import (
+    cautions,
+    certainty,
+    clearance_note,
+    errors,
+    joint_table,
+    overview,
+    uncertain,
+)
 from vfife.report.run import facts, tables
 from vfife.report.terminal import write
 from vfife.units import in_rpm
@@ -342,6 +351,33 @@ def test_a_clearance_is_called_radial_before_and_after_a_run_and_in_all_starters
     for starter in Path(vfife.modelfile.__file__).parent.glob("templates/*.toml"):
         model = starter.read_text("utf-8")
         assert ('kind = "clearance"' in model) == ("# radial: half of the difference" in model), starter
+
+
+def test_a_guide_has_no_radial_clearance() -> None:
+    made = vfife.simulate(gallery.slider_crank_loose_guide(), turns=0.3, companions=0).summary
+    assert "joint (each side)" in text(made) and "radial" not in text(made)
+    assert "guide (500 µm on each side) differs most" in " ".join(conclusion(made))
+
+
+def test_worn_surfaces_are_named_beside_the_clearance() -> None:
+    """Their clearance is that without the wear: 200 µm here, and 2 + 1 µm at the deepest place."""
+    model = gallery.four_bar_case_c()
+    wear = Wear(bearing=1e-16, journal=1e-16, bearing_profile=(2e-6, 1e-6, 0.0))
+    model.joints["C"] = dataclasses.replace(model.contacts["C"], wear=wear)
+    made = vfife.simulate(model, turns=0.1, step=2e-6, companions=0).summary
+    for said in (text(made), str(facts(made)), str(clearance_note(made))):
+        assert "C up to 3 µm (bearing), in addition to the clearance" in said
+    assert "C 200 µm, worn" in text(made) and "worn" not in text(result().summary).lower()
+
+
+def test_a_mean_ratio_of_several_turns_is_no_amplitude() -> None:
+    """The mean of (highest - lowest)/mean over turns, times the mean torque, is no torque of any turn."""
+    summary = copy.deepcopy(result().summary)
+    summary["measures"] |= {"crank.torque.mean": 1e4, "crank.torque.ripple": 15.08}
+    assert "varying by 150.8 kN m" in str(facts(summary))
+    several = summary | {"turns": summary["turns"] | {"first": 11, "last": 20}}
+    assert "ripple 15.08 times the mean torque" in str(facts(several))
+    assert "varying by" not in str(facts(several))
 
 
 def test_a_driver_that_the_loads_drive_is_called_that() -> None:

@@ -200,3 +200,13 @@ def renamed(name: str) -> vfife.Mechanism:
     m = vfife.gallery.four_bar()
     m.name = name
     return m
+
+
+def test_numbers_below_all_normal_ones_are_zero_for_readers(tmp_path: Path) -> None:
+    """1.73e-322 is a zero that rounding left; files that programs read back have all bits."""
+    rows = [["ram.angle [deg]", "x [m]"], [1.73e-322, -8.4e-318], [2.5e-308, 1.0]]
+    files.write_rows(tmp_path / "a.csv", rows, "comma")
+    lines = (tmp_path / "a.csv").read_text(encoding="utf-8-sig").splitlines()
+    assert lines[1:] == ["0,0;0,0", "0,0;1,0"]
+    files.write_rows(tmp_path / "b.csv", rows)
+    assert (tmp_path / "b.csv").read_text().splitlines()[1] == "1.73e-322,-8.4e-318"

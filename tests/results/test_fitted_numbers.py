@@ -69,6 +69,17 @@ def test_directions_that_the_data_leave_open_are_named() -> None:
     )
 
 
+def test_what_is_not_known_is_no_number() -> None:
+    """An interrupted fit has no correlation; limits of a value whose confidence is not known are none."""
+    two = replace(ONE, name="c", low=100.0, high=500.0)
+    for entry, count in ((math.nan, 0), (0.99, 1)):
+        correlation = np.array([[1.0, entry], [entry, 1.0]])
+        assert len(fit_of(ONE, two, correlation=correlation).splits) == count
+    frame = fit_of(ONE, replace(two, known=False)).to_dataframe()
+    assert list(frame.loc["k", ["standard_error", "low", "high"]]) == [5.0, 290.0, 320.0]
+    assert frame.loc["c", ["standard_error", "low", "high"]].isna().all() and frame.loc["c", "value"] == 300.0
+
+
 def test_remarks_say_how_it_was_found() -> None:
     assert fit_of(ONE).remarks == []
     starts = [(1.0, (300.0,)), (1.09, (301.0,)), (1.2, (500.0,))]

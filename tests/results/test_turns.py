@@ -397,7 +397,11 @@ def test_it_goes_on_to_the_end_where_it_does_not_repeat() -> None:
     ("given", "match"),
     [
         ({"settle": 0.0}, "zero or negative"),
-        ({"settle": 2.0}, "above 0 and at most 1"),
+        ({"settle": 2.0}, "above 0 and at most 0.2"),
+        ({"settle": 1}, 'This is 100 %; is "1 %" meant'),
+        ({"settle": "5"}, 'This is 500 %; is "5 %" meant'),
+        ({"settle": "30 %"}, "too large"),
+        ({"settle": 0.25}, "This is 25 %"),
         ({"settle": "soon"}, "settle"),
     ],
 )

@@ -16,9 +16,12 @@ import vfife
 from vfife.cli.app import app
 from vfife.measures.extrapolation import LEAST_ERROR
 from vfife.modelfile import load
+from vfife.numerics.outward import UP
 from vfife.plots.study import bar_words
+from vfife.report.amounts import quantity
+from vfife.report.case_errors import error_words
 from vfife.report.pages import study_page
-from vfife.results.case_errors import ErrorEstimate, error_over_change, sample_of, sample_size
+from vfife.results.case_errors import ErrorEstimate, RepeatedCase, error_over_change, sample_of, sample_size
 from vfife.results.study import Study
 from vfife.studies.engine.outcome import Outcome
 from vfife.studies.engine.study_engine import STEP, Engine, description_of, open_study
@@ -413,7 +416,22 @@ def test_few_cases_whose_values_agree_have_the_least_error_of_a_range(tmp_path) 
     assert len(engine.repeated) == 3, "four values, as of a run and its companions"
     assert found.errors["C.force.max"].most == LEAST_ERROR * found.values("C.force.max")[0]
     assert found.errors["C.force.max"].typical == 0.0
+    floor = found.errors["C.force.max"].floor
+    assert floor == LEAST_ERROR * found.values("C.force.max")[0]
+    assert f"typically below {quantity(floor, 'N', UP)}" in error_words(found.errors["C.force.max"], "N")
     assert found.errors["C.impacts"].most == 1.0
+
+
+def test_a_sensitive_case_has_the_least_error_of_all_others() -> None:
+    """A measure may agree by chance, or be taken at the same whole step, where another one scatters."""
+    steps = ((1.0, 5.0), (1.4, 8.0), (1.7, 4.0), (2.0, 7.0))
+    values = {"F.force.max": 5800.0, "F.impacts": 3.0}
+    outcomes = [{"step": step, "measures": {**values, "F.torque.max": torque}} for step, torque in steps]
+    case = RepeatedCase(0, outcomes[0], tuple(outcomes[1:]), {**values, "F.torque.max": 8.0})
+    assert case.sensitive
+    bounds = {name: error.bound for name in outcomes[0]["measures"] if (error := case.error(name, 1, False))}
+    assert bounds["F.force.max"] == pytest.approx(0.58) and bounds["F.impacts"] == 1.0
+    assert bounds["F.torque.max"] > 3.0 * 4.0
 
 
 def test_a_coarse_step_is_not_called_sensitive(tmp_path) -> None:

@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import warnings
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +19,7 @@ from vfife import gallery
 from vfife.assembly.assemble import assemble
 from vfife.measures.catalogue import PEAKS, over_turn
 from vfife.measures.turns import last_turn
-from vfife.results.derivatives import Derivative
+from vfife.results.derivatives import Derivative, Sensitivity
 from vfife.solvers.ensemble import measures_of, step_sizes
 from vfife.solvers.record import recorded_rows
 from vfife.solvers.transient import run
@@ -284,6 +286,19 @@ def test_changes_of_what_play_adds_take_those_of_the_ideal_mechanism():
     )
     change = 0.5 * (up.measures[name] - down.measures[name]) / found.measures[name] * 100.0
     assert found.change(name, "body.coupler.mass") == pytest.approx(change, rel=1e-6)
+
+
+def test_a_derivative_that_does_not_hold_warns() -> None:
+    kinds: list[Any] = ["derivative", "change", "unknown"]
+    numbers = [Derivative(kind, 1.0, {"f": 2.0}, {"f": (1.0, 3.0)}, kinds={"f": kind}) for kind in kinds]
+    found = Sensitivity("m", {"f": 4.0}, numbers)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert found.derivative("f", "derivative") == 2.0 and found.elasticity("f", "unknown") == 0.5
+    with pytest.warns(UserWarning, match="nothing is known"):
+        assert found.derivative("f", "unknown") == 2.0
+    with pytest.warns(UserWarning, match="only the change for one per cent is known"):
+        found.derivative("f", "change")
 
 
 @pytest.mark.system("displaced runs of a chaotic motion")

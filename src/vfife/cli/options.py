@@ -198,7 +198,7 @@ class FileOptions(Options):
 
     def write_files(self, result: Any, draw: Callable[[], Any] | None = None) -> None:
         """Draw a result and write its table, where they are wanted."""
-        write_files(result, self.figure, self.csv, draw)
+        write_files(result, self.figure, self.csv, draw, getattr(self, "decimal", "point"))
 
 
 class AnswerFileOptions(FileOptions):

@@ -168,10 +168,14 @@ def own_figure(place: Path, kind: str) -> Path:
 
 
 def write_files(
-    result: Any, figure: Path | None, csv: Path | None, draw: Callable[[], Any] | None = None
+    result: Any,
+    figure: Path | None,
+    csv: Path | None,
+    draw: Callable[[], Any] | None = None,
+    decimal: str = "point",
 ) -> None:
     """Draw a result and write its table, if a path is given for them; ``draw`` returns another figure than
-    :meth:`plot`.
+    :meth:`plot`; ``decimal`` as in :func:`~vfife.files.write_rows`.
     """
     if figure is not None:
         with writing(str(figure)):
@@ -183,4 +187,4 @@ def write_files(
     if csv is not None:
         with writing(str(csv)):
             ACTIVITY(f"writing {csv}")
-            result.write_table(csv)
+            result.write_table(csv, **({} if decimal == "point" else {"decimal": decimal}))

@@ -165,7 +165,9 @@ PURPOSES: dict[str, dict[str, Entry]] = {
         "compare": Entry("runs.CompareOptions", "several laws", "overlay difference"),
     },
     "Read the result": {
-        "info": Entry("runs.InfoOptions", "the answer again", "read result show summary stroke dead centre"),
+        "info": Entry(
+            "runs.InfoOptions", "the answer again", "read result show summary stroke dead centre deviation"
+        ),
         "impacts": Entry("runs.ImpactsOptions", "each knock", "noise impact rattle collision rebound hit"),
         "spectrum": Entry(
             "runs.SpectrumOptions", "frequencies and orders", "FFT noise vibration acoustic envelope hertz"
@@ -183,7 +185,7 @@ PURPOSES: dict[str, dict[str, Entry]] = {
         "design": Entry(
             "studies.DesignOptions",
             "which clearance matters, which ISO fits keep a limit, how long joints last",
-            "clearance tolerance ISO 286 fit life wear limit answer decide machine",
+            "clearance tolerance ISO 286 fit life wear limit answer decide machine deviation miss target",
         ),
         "sensitivity": Entry(
             "studies.SensitivityOptions", "which parameter matters", "derivative gradient influence effect"

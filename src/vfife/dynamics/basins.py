@@ -293,8 +293,12 @@ class Basins(CheckedMap):
         return attractor.points, attractor.tolerance
 
     def name_of(self, case: Companion) -> str:
-        """Return the numbers of a companion's case as text."""
-        return ", ".join(f"{path} = {value:.4g}" for path, value in self.spec.numbers(case.number).items())
+        """Return the numbers of a companion's case as text, angles in degrees as in the figure."""
+        units = dict(zip(self.spec.paths, self.spec.units, strict=True))
+        return ", ".join(
+            f"{path} = {np.degrees(value):.4g} deg" if units[path] == "rad" else f"{path} = {value:.4g}"
+            for path, value in self.spec.numbers(case.number).items()
+        )
 
     def plot(self) -> Figure:
         """Return a figure of the grid with one colour for each attractor."""

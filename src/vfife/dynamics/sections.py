@@ -143,9 +143,9 @@ class PoincareSection(Map):
         for turn, row in enumerate(turns, self.spec.dropped + 1):
             yield [turn, *row]
 
-    def write_csv(self, path: str | Path) -> None:
+    def write_csv(self, path: str | Path, decimal: str = "point") -> None:
         """Write the table to ``path``, and contact onsets, if any, to NAME.impacts.csv in the same folder."""
-        super().write_csv(path)
+        super().write_csv(path, decimal)
         if self.struck:
             write_rows(Path(path).with_suffix(".impacts.csv"), self._onsets())
 

@@ -14,6 +14,7 @@ import math
 import os
 import shutil
 import stat
+import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from itertools import chain, repeat
@@ -205,9 +206,13 @@ def rounded_rows(rows: Iterable[Iterable[Any]]) -> Iterator[Iterable[Any]]:
 
 
 def _rounded(value: float, digits: int, angle: bool) -> float:
-    """Return a number with a count of digits; zero without a sign."""
+    """Return a number with a count of digits; zero without a sign, also for one below all normal numbers,
+    which spreadsheets read as text.
+    """
     if not math.isfinite(value):
         return value
+    if abs(value) < sys.float_info.min:
+        return 0.0
     return float(f"{round(value, DECIMALS_OF_ANGLES) if angle else value:.{digits}g}") + 0.0
 
 
@@ -260,30 +265,32 @@ class DataTable:
         """Yield the table as readers of spreadsheets want it, by default the same."""
         return self.table()
 
-    def write_csv(self, path: str | Path) -> None:
+    def write_csv(self, path: str | Path, decimal: str = "point") -> None:
         """Write the table as CSV.
 
         path: the file; an existing one is replaced when the new one is complete
+        decimal: "comma" for decimal commas, with semicolons between the values
 
         Raises OSError.
         """
-        write_rows(path, self.spreadsheet())
+        write_rows(path, self.spreadsheet(), decimal)
 
     def tables(self) -> dict[str, Iterable[Sequence[Any]]]:
         """Return the tables of a workbook by the titles of their sheets."""
         return {type(self).__name__: self.spreadsheet()}
 
-    def write_table(self, path: str | Path) -> None:
+    def write_table(self, path: str | Path, decimal: str = "point") -> None:
         """Write the table as CSV or as a workbook.
 
         path: the file; a workbook if its name ends in ``.xlsx``
+        decimal: "comma" for decimal commas in CSV
 
         Raises VfifeError for a table too large for a sheet, OSError.
         """
         if Path(path).suffix.lower() == ".xlsx":
             write_tables(path, self.tables())
         else:
-            self.write_csv(path)
+            self.write_csv(path, decimal)
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return the table for pandas, with numbered rows. Its ``attrs`` tell whether the result is

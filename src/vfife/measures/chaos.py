@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..numerics.elementwise import atan2, hypot, sincos
+from ..numerics.outward import DOWN, UP, significant
 from .trend import TREND, Points, alternation
 
 Array = NDArray[np.float64]
@@ -28,6 +29,7 @@ Array = NDArray[np.float64]
 # is.
 EQUAL = 1e-5
 LONGEST = 16  # longest period that is searched, in points
+TIMES = 3  # that a period must be seen
 ANGLES = 100  # angles of the 0-1 test
 STEP_UNKNOWN = "uncertainty due to the step: not estimated"
 # Widths by which the range of an exponent exceeds its values: of two step sizes, and of four means over turns
@@ -47,6 +49,12 @@ SHARE = 10  # the 0-1 test uses displacements over up to a tenth of the series
 def _percent(share: float) -> str:
     """Return a share in per cent with two digits, without an exponent from 100 % on."""
     return f"{100.0 * share:.{3 if share >= 0.995 else 2}g} %"
+
+
+def signed_range(low: float, high: float, word: str = "to") -> str:
+    """Return a range of exponents with signs and three digits, its ends rounded outwards."""
+    ends = (float(significant(low, 3, DOWN)), float(significant(high, 3, UP)))
+    return f"{ends[0]:+.3g} {word} {ends[1]:+.3g}"
 
 
 @dataclass(frozen=True)
@@ -83,9 +91,8 @@ class Exponent:
         if self.vanished:
             return NO_BOUND
         if self.estimated:
-            return f"exponent {self.value:+.3g} per turn ({self.low:+.3g} to {self.high:+.3g})"
-        low, high = self.halves
-        halves = f"{low:+.3g} and {high:+.3g} in its halves"
+            return f"exponent {self.value:+.3g} per turn ({signed_range(self.low, self.high)})"
+        halves = f"{signed_range(*self.halves, 'and')} in its halves"
         return f"exponent {self.value:+.3g} per turn ({halves}; {STEP_UNKNOWN})"
 
     @property
@@ -160,7 +167,7 @@ def period(points: Array, tolerance: float = 1e-3, longest: int = LONGEST) -> in
     """
     points = rows_of(points)
     size = np.maximum(tolerance * np.ptp(points, axis=0), smallest_difference(points))
-    for shift in range(1, min(longest, len(points) // 3) + 1):
+    for shift in range(1, min(longest, len(points) // TIMES) + 1):
         if (largest_difference(points, shift) <= size).all():
             return shift
     return None
@@ -185,7 +192,7 @@ def recurrence_distance(points: Array, shift: int | None = None, longest: int = 
     """
     points = rows_of(points)
     size = np.maximum(np.ptp(points, axis=0), smallest_difference(points))
-    shifts = range(1, min(longest, len(points) // 3) + 1) if shift is None else (shift,)
+    shifts = range(1, min(longest, len(points) // TIMES) + 1) if shift is None else (shift,)
     return min(
         (float((largest_difference(points, shift) / size).max()) for shift in shifts), default=float("nan")
     )
@@ -270,7 +277,8 @@ class Verdict:
     is within the tolerance). ``scatter``: the same as a share of the motion's range, where its points scatter
     with the step; NaN otherwise. ``exponent``: largest Lyapunov exponent (1/turn); ``zero_one``: 0-1 test, of
     at least 100 points; ``rotation`` about the mean. None was not computed. ``reason``: why nothing is
-    decided, where it is not that points repeat although a difference grows.
+    decided, where it is not that points repeat although a difference grows. ``longest``: the largest shift
+    (points) whose points were compared.
     """
 
     kind: str
@@ -281,6 +289,7 @@ class Verdict:
     rotation: Rotation | None = None
     scatter: float = math.nan
     reason: str = ""
+    longest: int = LONGEST
 
     def __str__(self) -> str:
         return f"{self.kind}: {self.evidence}"
@@ -297,7 +306,9 @@ class Verdict:
                 if self.scatter >= 0.0
                 else f"points {turns} apart lie {within}"
                 if self.period
-                else f"points up to {LONGEST} turns apart agree {within} at best, so there is no period"
+                else f"points {self._shifts} agree {within} at best, so there is no period"
+                if self.longest
+                else f"with fewer than {TIMES} points whether turns repeat is not known"
             )
         ]
         if self.kind == UNDECIDED or self.reason:
@@ -313,6 +324,11 @@ class Verdict:
         if self.rotation is not None and self.rotation.closed and not self.reason:
             texts.append(f"one closed curve, gone round {self.rotation.number:.4f} times a turn")
         return ", ".join(texts)
+
+    @property
+    def _shifts(self) -> str:
+        """How far apart the points are that were compared."""
+        return "a turn apart" if self.longest == 1 else f"up to {self.longest} turns apart"
 
 
 def rotation(points: Array) -> Rotation | None:
@@ -427,7 +443,8 @@ def verdict(
     if kind == CHAOTIC and ranges is not None and not (grows and len(points) >= TEST_POINTS):
         reason = small_cloud(points, ranges())
         kind = UNDECIDED if reason else kind
-    return Verdict(kind, None, distance, growth, test, turning, reason=reason)
+    longest = min(LONGEST, len(points) // TIMES)
+    return Verdict(kind, None, distance, growth, test, turning, reason=reason, longest=longest)
 
 
 def settling_reason(points: Array, repeats: int) -> str:

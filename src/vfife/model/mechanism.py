@@ -21,6 +21,7 @@ from ..schema import (
     Integer,
     Measure,
     Names,
+    Share,
     Text,
     described,
     quantity,
@@ -46,6 +47,8 @@ StartMode = Literal["consistent", "rough"]
 STATIC = ("static",)
 MOST_COMPANIONS = 7  # with the run itself they fill the widest vectors that steps are compiled for
 Journals = Literal["centred", "seated"]
+# Turns that differ by more than a fifth do not repeat in any sense of use: a settled motion has 1 %.
+REPETITION = Share(above=0.0, high=0.2)
 
 
 @with_units("start")
@@ -96,13 +99,11 @@ class Settings:
 
     turns: float | None = quantity("1", "length of the run in turns of the crank", None, above=0.0)
     duration: float | None = quantity("s", "length of the run in time, instead of turns", None, above=0.0)
-    settle: float | None = quantity(
-        "1",
+    settle: float | None = described(
+        REPETITION,
         "the run ends when two turns agree within this share of their largest values, at the latest after"
         " turns",
         None,
-        above=0.0,
-        high=1.0,
     )
     step: float | Literal["auto"] = described(
         Measure("s", above=0.0, words=("auto",)),

@@ -10,9 +10,8 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from ..measures.chaos import EQUAL, STEP_UNKNOWN
+from ..measures.chaos import EQUAL, STEP_UNKNOWN, signed_range
 from ..measures.motion import within_turn
-from ..numerics.outward import significant_range
 from .style import (
     BLUE,
     BODIES,
@@ -261,10 +260,9 @@ def convergence(ax: Axes, result: PoincareSection) -> None:
         ax.plot(turns, exponent.running, color=BLUE, lw=1.2)
         if exponent.estimated:
             ax.axhspan(exponent.low, exponent.high, color=VERMILION, alpha=0.2, lw=0.0)
-            text = f"{exponent.value:+.4g}; {significant_range(exponent.low, exponent.high, 3)}"
+            text = f"{exponent.value:+.3g}; {signed_range(exponent.low, exponent.high)}"
         else:
-            halves = significant_range(*exponent.halves, 4)
-            text = f"{exponent.value:+.4g}; halves {halves}\n{STEP_UNKNOWN}"
+            text = f"{exponent.value:+.3g}; halves {signed_range(*exponent.halves)}\n{STEP_UNKNOWN}"
         # The text stands where the curve is not.
         low = exponent.value > float(exponent.running.min()) * 0.5 + float(exponent.running.max()) * 0.5
         look: Any = {"ha": "right", "color": INK, "fontsize": 9.0, "bbox": BOX}

@@ -70,6 +70,8 @@ def error_line(study: Study, name: str, factor: float, unit: str) -> str:
     if (error := study.errors.get(name)) is None:
         return f"numerical error {NOT_ESTIMATED}"
     size, word = (error.most, "up to") if error.sensitive else (error.typical, "typically")
+    if size < error.floor:
+        size, word = error.floor, "typically below"
     return f"numerical error {word} {digits(float(significant(factor * size, 3, UP)))} {unit}".rstrip()
 
 

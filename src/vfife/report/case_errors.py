@@ -30,9 +30,16 @@ def error_words(error: ErrorEstimate | None, unit: str) -> str:
     if error is None:
         return f"Numerical error of a case: {NOT_ESTIMATED}."
     return (
-        f"Numerical error of a case: typically {quantity(error.typical, unit)}, at most"
+        f"Numerical error of a case: typically {typical_words(error, unit)}, at most"
         f" {quantity(error.most, unit, UP)} ({error.words})."
     )
+
+
+def typical_words(error: ErrorEstimate, unit: str) -> str:
+    """Return the typical error, or below which least error it lies."""
+    if error.typical < error.floor:
+        return f"below {quantity(error.floor, unit, UP)}"
+    return quantity(error.typical, unit)
 
 
 def digits_of(study: Study, name: str) -> Digits:
@@ -90,7 +97,7 @@ def error_table(study: Study) -> Part:
         if (error := study.errors.get(name)) is None:
             rows.append((name, NOT_ESTIMATED, "", ""))
         else:
-            rows.append((name, quantity(error.typical, unit), quantity(error.most, unit, UP), error.words))
+            rows.append((name, typical_words(error, unit), quantity(error.most, unit, UP), error.words))
     heads = ("numerical error of a case", "typically", "at most", "estimated from")
     return Table(heads, rows, numbers=(1, 2), names=(0,))
 

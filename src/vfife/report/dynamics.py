@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..job.progress import counted
-from ..measures.chaos import CHAOTIC, NO_POINTS, STEP_UNKNOWN, TEST_POINTS, UNDECIDED
+from ..measures.chaos import CHAOTIC, NO_POINTS, STEP_UNKNOWN, TEST_POINTS, UNDECIDED, UNSETTLED
 from .amounts import quantity
 from .document import Document, Paragraph, Table, incomplete, paragraphs
 
@@ -108,7 +108,15 @@ def _chaos(result: Bifurcation) -> str:
             texts.append(f"{direction} {place} ({len(values)} of {sum(map(bool, kinds))}{computed} values)")
     if texts:
         return f"Chaos was found {', '.join(texts)}."
-    return f"No chaos was found{f' in the {result.progress}' if result.progress else ''}."
+    place = f" in the {result.progress}" if result.progress else ""
+    motions = [kind for kinds in result.kinds for kind in kinds if kind]
+    open_kinds = sum(kind in (UNDECIDED, UNSETTLED) for kind in motions)
+    if not open_kinds:
+        return f"No chaos was found{place}."
+    if open_kinds == len(motions):
+        return f"Whether there is chaos{place} is not known: no motion is decided. Take more turns."
+    part = f"{open_kinds} of {counted(len(motions), 'motion')}"
+    return f"No chaos was found{place}; of {part} nothing is known."
 
 
 def spells_words(spells: Sequence[Spell], unit: str, factor: float = 1.0) -> str:

@@ -216,9 +216,10 @@ def _joint(summary: Json) -> str:
     name = max(compared, key=compared.__getitem__)
     force = force_text(summary, f"{name}.force.max")
     clearance = prefixed(joints[name]["clearance"], "m")
+    kind = " on each side" if joints[name].get("guide") else ", radial"
     mean = " (mean)" if turns_text(summary, f"{name}.force.max", "N", CERTAIN) else ""
     return (
-        f"Of the joints with clearance, {name} ({clearance}, radial) differs most from the ideal joint: its"
+        f"Of the joints with clearance, {name} ({clearance}{kind}) differs most from the ideal joint: its"
         f" largest force is {force}{mean}, {_change(summary, name)}. The clearance of another joint may cause"
         " that; vfife design ranks them."
     )

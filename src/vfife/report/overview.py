@@ -33,7 +33,16 @@ from .digits import (
 )
 from .document import Document, Facts, Paragraph, Part, Section, Table, paragraphs
 from .noise import blow, noise
-from .run import CONFORMAL, ROUNDING, SHARED, actuator_facts, document, reversed_power, torque_text
+from .run import (
+    CONFORMAL,
+    ROUNDING,
+    SHARED,
+    actuator_facts,
+    document,
+    reversed_power,
+    torque_text,
+    wear_facts,
+)
 from .run_tables import (
     deepest_text,
     force_text,
@@ -84,7 +93,13 @@ def overview(summary: Json) -> Document:
     parts += paragraphs([certainty(summary)], style="alarm" if uncertain(summary) else "good")
     table = joint_table(summary)
     parts += [table] if table.rows else []
-    facts = [*_machine(summary), *dead_centres.facts(summary), *noise(summary), *blow(summary)]
+    facts = [
+        *_machine(summary),
+        *wear_facts(summary),
+        *dead_centres.facts(summary),
+        *noise(summary),
+        *blow(summary),
+    ]
     parts += [Facts(facts)] if facts else []
     if texts := list(cautions(summary)):
         rows = [(str(k), text) for k, text in enumerate(texts[:MOST_CAUTIONS], 1)]
@@ -276,8 +291,9 @@ def joint_table(summary: Json) -> Table:
     words = {"force": "with clearance"} if compared else {}
     if any(row[3] for row in rows):
         words |= {"force": "largest, mean", "turns": "single turns"}
-    if any(joint.get("clearance") for joint in summary["joints"].values()):
-        words["joint"] = "joint (radial)"
+    loose = [joint for joint in summary["joints"].values() if joint.get("clearance")]
+    if loose:
+        words["joint"] = f"joint ({'each side' if all(joint.get('guide') for joint in loose) else 'radial'})"
     headings = [words.get(heads[k], heads[k]) for k in used]
     means = [
         f"{name}.force.max" for name, row in zip(shown, rows, strict=True) if row[3] and " to " in row[2]
@@ -293,8 +309,10 @@ def _margin(summary: Json, name: str) -> float:
 
 
 def clearance_note(summary: Json) -> list[Part]:
-    """Return a sentence on what a clearance is, for a run that has one."""
-    return [Paragraph(RADIAL)] if any(joint.get("clearance") for joint in summary["joints"].values()) else []
+    """Return a sentence on what a clearance is, for a run that has one, and on worn surfaces."""
+    if not any(joint.get("clearance") for joint in summary["joints"].values()):
+        return []
+    return [*paragraphs([RADIAL, *(f"Worn surfaces: {text}." for _, text in wear_facts(summary))])]
 
 
 def _shown_joints(summary: Json) -> list[str]:
@@ -312,6 +330,7 @@ def _joint_row(summary: Json, name: str, moment: str) -> tuple[str, ...]:
     joint, measure = summary["joints"][name], f"{name}.force.max"
     clearance = joint.get("clearance")
     label = f"{name} {prefixed(clearance, 'm')}" if clearance else name
+    label += ", worn" if joint.get("worn") else ""
     shared = " *" if measure in summary["not_unique"] else ""
     knock = knock_texts(summary, name)[0]
     pressures = of_contacts(summary, name, "contact_pressure.max")

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from ..measures.statics import EXACT
 from ..measures.stops import stop_sentence
 from ..measures.values import NOT_ESTIMATED
+from ..numerics.outward import UP
 from .amounts import amount, interval, prefixed
 from .design_words import and_words
 from .digits import (
@@ -32,7 +33,7 @@ from .digits import (
 )
 from .document import Caution, Document, Facts, Paragraph, Part, Table, grouped, paragraphs, quantities
 from .run_tables import blow_texts, noted, reaction, tables
-from .trust import missing_mesh_estimate, trust_lines, turn_lines, verdict
+from .trust import missing_mesh_estimate, over_several_turns, trust_lines, turn_lines, verdict
 
 ROUNDING = 1e-6  # of the largest power or torque of a driver: a smaller mean is rounding
 RIPPLE = 10.0  # times the mean torque: a larger ripple is shown as an amplitude
@@ -102,6 +103,7 @@ def facts(summary: Json) -> list[tuple[str, str]]:
         *(("Driver", line) for line in _torques(summary)),
         *(("Driver", f"{name}: {text} ({summary['part']})") for name, text in actuator_facts(summary)),
         *_machine(summary),
+        *wear_facts(summary),
         *_named_once(
             "Blows",
             [
@@ -227,6 +229,17 @@ def _laws(laws: Json) -> str:
     return "; ".join(name + (f" ({numbers})" if numbers else "") for name, numbers in derived)
 
 
+def wear_facts(summary: Json) -> list[tuple[str, str]]:
+    """Return a line on the surfaces that are worn already: their clearance is that without the wear."""
+    texts = [
+        f"{name} up to "
+        + " and ".join(f"{prefixed(depth, 'm', direction=UP)} ({side})" for side, depth in depths.items())
+        for name, joint in summary["joints"].items()
+        if (depths := joint.get("worn"))
+    ]
+    return [("Worn surfaces", f"{'; '.join(texts)}, in addition to the clearance")] if texts else []
+
+
 def _machine(summary: Json) -> Iterator[tuple[str, str]]:
     """Yield the mean torque and power of the drivers, efficiency, and the shaking force on the ground."""
     measures, part = summary["measures"], summary["part"]
@@ -234,13 +247,16 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
         if f"{name}.torque.mean" in measures:
             mean, ripple = measures[f"{name}.torque.mean"], measures.get(f"{name}.torque.ripple", 0.0)
             width = prefixed(ripple * abs(mean), "N m", uncertainty(summary, f"{name}.torque.max"))
+            # The mean of a ratio over turns is no range of the torque over its mean.
+            means = over_several_turns(summary["turns"])
+            reach = f"ripple {ripple:,.4g} times the mean torque" if means else f"varying by {width}"
             swing = f", ripple {100.0 * ripple:,.4g} %{estimate_mark(summary, f'{name}.torque.ripple')}"
             swing = (
                 ""
                 if is_about_zero(summary, f"{name}.torque.max")
                 else swing
                 if ripple < RIPPLE
-                else f", varying by {width}{estimate_mark(summary, f'{name}.torque.ripple')}"
+                else f", {reach}{estimate_mark(summary, f'{name}.torque.ripple')}"
             )
             torque, power = (
                 value_text(summary, f"{name}.torque.mean", "N m"),

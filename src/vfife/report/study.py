@@ -440,6 +440,6 @@ def _error_share(study: Study, result: Any) -> str:
     if error is None or variance == 0.0:
         return text
     return (
-        f"{text} Its square is {100.0 * error.rms * error.rms / variance:.2g} % of the variance; margins are"
-        " those of sampling alone."
+        f"{text} The mean square of this error is {100.0 * error.rms * error.rms / variance:.2g} % of the"
+        " variance; margins are those of sampling alone."
     )

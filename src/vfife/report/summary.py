@@ -21,8 +21,10 @@ from ..measures.values import Measured, lips
 from ..measures.wear import SIDES
 from ..measures.zero_limits import about_zero
 from ..model.bodies import Link
+from ..model.joints import ClearanceSlider, Contact
 from ..model.surfaces import body_of, law_facts, surface_facts, surfaces
 from ..model.validation.plausibility import suspect_surfaces
+from ..model.wear import deepest
 from ..solvers.record import Record
 from ..solvers.refinement import worth_other_meshes, worth_refining
 from .cautions import (
@@ -293,7 +295,7 @@ def _joints(result: RunData, measures: dict[str, float], ideal: Any) -> dict[str
     assembly = result.record.assembly
     for name, loose in assembly.mechanism.contacts.items():
         if name in joints:
-            joints[name]["clearance"] = getattr(loose, "clearance", None)
+            joints[name] |= {"clearance": getattr(loose, "clearance", None), **_surfaces(loose)}
     depths = largest_by_joint(
         result.record, (measures.get(f"{contact}.penetration.max", 0.0) for contact in assembly.contacts)
     )
@@ -301,6 +303,14 @@ def _joints(result: RunData, measures: dict[str, float], ideal: Any) -> dict[str
         if contact != joint and joint in joints:
             joints[joint]["penetration.max"] = depths[joint]
     return joints
+
+
+def _surfaces(joint: Contact) -> Json:
+    """Return whether the surfaces are those of a guide, and the greatest depth (m) of those that are worn."""
+    depths = {side: deepest(getattr(joint.wear, f"{side}_profile", ())) for side in SIDES}
+    depths = {side: depth for side, depth in depths.items() if depth}
+    guide: Json = {"guide": True} if isinstance(joint, ClearanceSlider) else {}
+    return guide | ({"worn": depths} if depths else {})
 
 
 def _laws(result: RunData) -> dict[str, Json]:

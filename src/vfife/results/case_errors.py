@@ -70,7 +70,8 @@ class ErrorEstimate:
     of the measure. ``step_ratio``: median step of the repetitions over the step of their cases (1).
     ``failed``: cases of the sample that have no value at another step, of which nothing is known.
     ``sensitive``: cases of the sample whose motion depends on the step; ``steps``: the most step sizes that a
-    case was computed with.
+    case was computed with. ``floor``: median of the least bounds of an error; a typical one below it is told
+    as less than it.
     """
 
     count: int
@@ -81,6 +82,7 @@ class ErrorEstimate:
     failed: int = 0
     sensitive: int = 0
     steps: int = 2
+    floor: float = 0.0
 
     @property
     def words(self) -> str:
@@ -194,8 +196,10 @@ class RepeatedCase:
         changes = [abs(value - values[0]) for value in values[1:]]
         pairs = zip(changes, ratios[1:], strict=True)
         estimates = [change * error_over_change(ratio, order) for change, ratio in pairs]
-        size, bound = rms(estimates), estimates[0]
+        size, bound, floor = rms(estimates), estimates[0], 0.0
         width = max(values) - min(values)
+        if len(values) > 2 and (order == 1 or self.sensitive):
+            floor = LEAST_COUNT if name.endswith(COUNTS) else LEAST_ERROR * max(map(abs, values))
         if self.sensitive:
             # Of values that scatter, the changes are the errors.
             is_mean = several_turns and len(values) >= LANES_OF_MEANS and not name.endswith(COUNTED)
@@ -205,21 +209,22 @@ class RepeatedCase:
         elif len(values) > 2:
             bound = SAFETY * max(estimates)
             if order == 1:
-                floor = LEAST_COUNT if name.endswith(COUNTS) else LEAST_ERROR * max(map(abs, values))
-                bound = max(bound, width * error_factor(ratios, values), floor)
-        return CaseError(size, bound, median(ratios[1:]), len(values))
+                bound = max(bound, width * error_factor(ratios, values))
+        return CaseError(size, max(bound, floor), median(ratios[1:]), len(values), floor)
 
 
 @dataclass(frozen=True)
 class CaseError:
     """Error of a measure of one case: what to expect (``size``), what it does not exceed (``bound``), the
-    median ratio of the steps of its repeats (1), and the number of step sizes.
+    median ratio of the steps of its repeats (1), and the number of step sizes. ``floor``: least bound, below
+    which steps tell nothing.
     """
 
     size: float
     bound: float
     ratio: float
     steps: int
+    floor: float = 0.0
 
 
 class SampleErrors:
@@ -261,6 +266,7 @@ class SampleErrors:
             len(self.sample) - len(errors),
             sum(case.sensitive for case in self.sample if case.number in by_case),
             max(error.steps for error in errors),
+            median([error.floor for error in errors]),
         )
 
     def bars(self, name: str, numbers: Sequence[int]) -> list[float]:

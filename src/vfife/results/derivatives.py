@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
@@ -96,16 +97,24 @@ class Sensitivity(DataTable):
         )
 
     def derivative(self, measure: str, path: str) -> float:
-        """Return the derivative of a measure by a number, in their SI units. Raises KeyError where there is
-        none.
+        """Return the derivative of a measure by a number, in their SI units; warns where it is not known to
+        hold, as tables show by another sign or "?". Raises KeyError where there is none.
         """
-        return self._by(path).values[measure]
+        slope = self._slope(measure, path)
+        if (kind := self.kind(measure, path)) != "derivative":
+            known = "only the change for one per cent is known" if kind == "change" else "nothing is known"
+            warnings.warn(
+                f"the derivative of {measure} by {path} is not known to hold: {known}, see"
+                f" effect({measure!r}, {path!r})",
+                stacklevel=2,
+            )
+        return slope
 
     def elasticity(self, measure: str, path: str) -> float:
         """Change of a measure in per cent for one per cent of a number: (p / m) dm/dp; infinite for a measure
-        that is zero.
+        that is zero. It is what was computed, also where :meth:`known` is false.
         """
-        return self._relative(path, measure, self.derivative(measure, path))
+        return self._relative(path, measure, self._slope(measure, path))
 
     def elasticities(self, measure: str) -> dict[str, float]:
         """Return the elasticities of a measure by every number, also those that are not known to hold."""
@@ -183,6 +192,10 @@ class Sensitivity(DataTable):
         """Return the numbers by which a measure has derivatives."""
         return [number.path for number in self.derivatives if measure in number.values]
 
+    def _slope(self, measure: str, path: str) -> float:
+        """Return the derivative that was computed, whether it holds or not."""
+        return self._by(path).values[measure]
+
     def _by(self, path: str) -> Derivative:
         return next(number for number in self.derivatives if number.path == path)
 
@@ -222,7 +235,7 @@ class Sensitivity(DataTable):
         return {
             "measure": measure, "value": self.measures[measure], "number": path,
             "model": self._by(path).value,
-            "derivative": self.derivative(measure, path), "elasticity": self.elasticity(measure, path),
+            "derivative": self._slope(measure, path), "elasticity": self.elasticity(measure, path),
             "from": low, "to": high,
             "meaningless": not self.known(measure, path), "kind": self.kind(measure, path),
             "change": self.change(measure, path) if changed else None, "change_from": low_change,

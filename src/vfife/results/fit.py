@@ -270,7 +270,8 @@ class Fit(DataTable):
         for k, value in enumerate(self.values):
             for j in range(k):
                 partner, correlation = self.values[j], float(self.correlation[k, j])
-                if abs(correlation) < SPLIT or max(value.width, partner.width) < SPLIT_WIDTH:
+                # A fit that was interrupted may have no correlation (NaN), and then says nothing.
+                if not abs(correlation) >= SPLIT or max(value.width, partner.width) < SPLIT_WIDTH:
                     continue
                 better = 1.0 / np.sqrt(max(1.0 - correlation * correlation, 1e-12))
                 sentences.append(
@@ -336,11 +337,13 @@ class Fit(DataTable):
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return the parameters for pandas, by name: value, unit, standard error, confidence, bounds, and
-        whether the data determine each.
+        whether the data determine each. Standard errors and limits that are not known are NaN.
         """
         import pandas
 
-        frame = pandas.DataFrame([value.json() for value in self.values]).set_index("name")
+        unknown = dict.fromkeys(("standard_error", "low", "high"), math.nan)
+        rows = [value.json() | ({} if value.known else unknown) for value in self.values]
+        frame = pandas.DataFrame(rows).set_index("name")
         return with_completeness(frame, self.progress)
 
     def table(self) -> Iterator[Sequence[Any]]:

@@ -37,7 +37,7 @@ from .parts import (
     Named,
     Names,
 )
-from .values import Choice, Integer, Json, Measure, Switch, Text, Value
+from .values import Choice, Integer, Json, Measure, Share, Switch, Text, Value
 
 __all__ = [
     "A_TABLE",
@@ -59,6 +59,7 @@ __all__ = [
     "Named",
     "Names",
     "Reader",
+    "Share",
     "Switch",
     "Text",
     "Value",

@@ -161,6 +161,28 @@ class Measure(Value):
 
 
 @dataclass(frozen=True)
+class Share(Measure):
+    """A small share of something, of which a bare 1 (100 %) is too much; the refusal asks whether so many per
+    cent are meant.
+    """
+
+    unit: str = "1"
+
+    def take(self, value: Any, written: bool) -> Any:
+        """Return the share (1)."""
+        try:
+            return super().take(value, written)
+        except Fault as fault:
+            if not fault.what.endswith("too large") or "%" in str(value):
+                raise
+            bare = number(value, self.unit) if isinstance(value, str) else float(value)
+            share = bare / 100.0
+            question = f'; is "{bare:g} %" meant?' if self.allows(share) else ""
+            remedy = f"this is {100.0 * bare:g} %{question}"
+            raise value_fault(value, self.limits(), remedy, "too large") from None
+
+
+@dataclass(frozen=True)
 class Integer(Value):
     """A whole number between two limits, the upper one to catch typing errors. One of ``words`` may replace
     it.

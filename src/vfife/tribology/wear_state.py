@@ -253,6 +253,12 @@ class Worn(NotebookDocument, DataTable):
                     for pair in zip(ANGLES.tolist(), depth.tolist(), strict=True)
                 )
 
+    def spreadsheet(self) -> Iterator[Sequence[object]]:
+        """Yield the table with units in its heads."""
+        _, *rows = self.table()
+        yield ["turns", "joint", "side", "angle [rad]", "depth [m]", "body"]
+        yield from rows
+
 
 def turns_at(turns: Array, column: Array, value: float) -> float:
     """Return the turns at which a ``column`` of numbers at ``turns`` has a value: between them, or beyond the

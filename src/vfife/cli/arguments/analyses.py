@@ -21,6 +21,7 @@ from ..options import (
     flag,
     option,
 )
+from ..outputs import DECIMAL
 from ..registry import DefaultGroup, add_command
 
 MOST_VALUES, MOST_STARTS, MOST_TURNS, MOST_SECTION = 10_000, 2_000, 1_000_000, 10_000_000
@@ -237,6 +238,7 @@ class WearOptions(AnswerFileOptions, ModelOptions, JobOptions, function="wear.we
     )
     figure: Path | None = option(None, "File of the figure.", FIGURE_FILE, show_default="FILE-wear.png")
     final_model: Path | None = option(None, "Write the worn model to this file.", "WORN.toml", "--worn")
+    decimal: str = option("point", DECIMAL, "point|comma")
 
 
 Compared = StrEnum("Compared", "curve envelope spectrum")

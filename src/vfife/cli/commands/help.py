@@ -23,7 +23,7 @@ from .new import description, templates
 SCHEMA = Path(__file__).resolve().parents[2] / "modelfile" / "model.schema.json"
 # Words that users search for, by command of a group; those of whole commands are in the registry.
 SUBCOMMANDS = {
-    "study tolerance": "scatter yield quantile monte carlo limit reject",
+    "study tolerance": "scatter deviation miss target spread yield quantile monte carlo limit reject",
     "study indices": "sobol morris sensitivity variance",
     "study allocate": "ISO 286 fit tolerance cost cheapest",
     "study plot": "heat map pareto parallel",
@@ -87,6 +87,7 @@ SYNONYMS = tuple(
         "film movie video animation mp4 gif",
         "picture figure image diagram plot draw chart graph",
         "tolerance scatter iso fit",
+        "target limit aim",
         "optimise optimize optimisation optimization best minimum",
         "calibrate identify identification estimate measurement measured",
         "uncertainty error accuracy trust reliable range",

@@ -7,6 +7,7 @@ from typing import Any
 
 from ...modelfile.write import save_model
 from ...report.wear import document
+from ...results.export import check_decimal
 from ...store.schemas import WEAR
 from ...tribology.simulate_wear import load_wear
 from ...tribology.simulate_wear import wear as simulate
@@ -25,13 +26,14 @@ def wear(options: WearOptions) -> None:
             raise ValueError(
                 f"--turns {turns:g}: more than can be counted; allowed: 1 to {MOST_WEAR_TURNS:g}"
             )
+        check_decimal(options.decimal, options.csv or Path("wear.csv"))
         place = options.answer_file(WEAR, model, "wear", ".wear", ("--worn", options.final_model))
         result = load_wear(model) if is_wear_file else simulate_wear(options, place)
     options.write_files(result)
     if options.final_model is not None:
         with sentences(str(options.final_model)):
             save_model(result.mechanism(), options.final_model)
-    options.answer(document(result), place, options.figure)
+    options.answer(document(result), place, options.figure, options.csv, options.final_model)
     if not result.complete and not is_wear_file:
         end_interrupted(
             f": {result.turns[-1]:,.0f} of {turns:,.0f} turns are complete and kept in {place}; the same"

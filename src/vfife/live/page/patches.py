@@ -306,7 +306,7 @@ def usable_positions(assembler: Assembler, slides: Sequence[Slide]) -> tuple[Sli
         reasons = [model for model in models if isinstance(model, str)]
         if reasons:
             note = f"{len(reasons)} of {len(models)} positions cannot be run and are left out"
-            notes.append(f"{slide.name}: {note}, as the last of them: {reasons[-1]}")
+            notes.append(f"{slide.name}: {note}, as the last of them: {reasons[-1].removesuffix('.')}")
         if len(positions) > 1:
             usable.append(with_positions(slide, positions))
     return tuple(usable), notes

@@ -10,7 +10,7 @@ from typing import Any
 from ...errors import shown
 from ...model.mechanism import Mechanism
 from ...modelfile.parameter import Parameter
-from ...units import number_range
+from ...units import ends_of, number_range, unit_fault
 
 POSITIONS = 21  # of a slider
 WIDE = 8.0  # ratio of a range from which its positions are spaced by ratios
@@ -110,6 +110,9 @@ def parse_slides(mechanism: Mechanism, texts: Iterable[str], option: str = "--sl
             text, lambda path: number_at(mechanism, path)[1], option, "joint.C.clearance=0.01..0.5mm"
         )
         value = number_at(mechanism, bounds.path)[0]
+        ends = ends_of(text.partition("=")[2]) or ("", "")
+        if fault := unit_fault(f"{option} {bounds.path}", ends[1], bounds.unit, value, "the model's value"):
+            raise ValueError(str(fault))
         slides.append(slider(bounds.path, (bounds.path,), bounds.unit, bounds.low, bounds.high, value))
     return common_clearances(slides)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 from ...errors import Fault, Path, kind_of, shown
-from ...model.mechanism import Mechanism
+from ...model.mechanism import REPETITION, Mechanism
 from ...schema import Choice, Integer, Json, Measure, Reader, Switch, Text, Value, described
 from ...schema.parts import FreeList, Names
 from ...schema.values import is_list
@@ -111,9 +111,7 @@ class StudySpec:
         Measure("s", above=0.0), "length of each case, instead of turns of a crank", None
     )
     settle: float | None = described(
-        Measure("1", above=0.0, high=1.0),
-        "end a case as soon as turns repeat within this share of their size",
-        None,
+        REPETITION, "end a case as soon as turns repeat within this share of their size", None
     )
     last: int = described(Integer(1, MOST_TURNS), "turns at the end over which measures are averaged", 1)
     step: Any = described(Measure("s", above=0.0, words=("auto",)), "time step of every case", "auto")
