@@ -173,6 +173,12 @@ def hardest_knock(result: Any, joint: str, last: int) -> float:
     return max(entry.speed for entry in entries if entry.since > time - 1e-9)
 
 
+def test_a_study_file_has_the_default_of_counts_as_former_versions_do() -> None:
+    for counts in ("case", "last"):
+        spec = CaseSpec(SOME, 2, counts=counts)
+        assert CaseSpec.of(spec.fields) == spec and ("counts" in spec.fields) == (counts == "last")
+
+
 def test_a_case_of_a_single_turn_has_all_contacts_from_its_start_on() -> None:
     whole, last = (cases(NUMBERS[:1], CaseSpec((), 1, step=8e-6, counts=how))[0] for how in ("case", "last"))
     assert whole.values == last.values

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
@@ -162,6 +163,12 @@ class CaseSpec:
     def length(self) -> dict[str, Any]:
         """Length of a case, as arguments of a run."""
         return {"turns": float(self.turns) if self.duration is None else None, "duration": self.duration}
+
+    @property
+    def fields(self) -> dict[str, Any]:
+        """The fields as JSON has them, without the default of ``counts``: former versions have no such key."""
+        fields = {**dataclasses.asdict(self), "measures": list(self.measures)}
+        return {name: value for name, value in fields.items() if (name, value) != ("counts", CASE)}
 
     @classmethod
     def of(cls, fields: Mapping[str, Any]) -> CaseSpec:
