@@ -166,7 +166,7 @@ class CaseSpec:
 
     @property
     def fields(self) -> dict[str, Any]:
-        """The fields as JSON has them, without the default of ``counts``: former versions have no such key."""
+        """The fields as JSON has them, without the default of ``counts``: former versions lack it."""
         fields = {**dataclasses.asdict(self), "measures": list(self.measures)}
         return {name: value for name, value in fields.items() if (name, value) != ("counts", CASE)}
 
