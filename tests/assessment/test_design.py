@@ -4,6 +4,7 @@ import dataclasses
 import math
 import time
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -635,3 +636,62 @@ def test_the_table_of_wear_to_add_has_the_coefficients_that_were_simulated(monke
     found = vfife.design(loose_pin(), **BRIEF, wear=3e-16, wear_turns=1e4)
     steps = " ".join(document(found).parts[0].parts[-1].parts[0].texts)
     assert 'bearing = "3e-16 1/Pa"' in steps and "1e-15" not in steps
+
+
+PRESS = Path(__file__).parents[2] / "examples" / "six_bar_press.toml"
+
+
+def loose_press(clearance: str = "25 um") -> vfife.Mechanism:
+    """The press of the examples with its lines of clearance and of the work; its model asks for one turn."""
+    text = PRESS.read_text("utf-8").replace("#~ ", "").replace('"25 um"', f'"{clearance}"')
+    return loads(text, set=[("driver.crank.speed", "90 rpm")])
+
+
+@pytest.mark.slow("machines of a press")
+def test_a_design_for_knocks_leaves_out_the_fall_of_the_journals_at_the_start() -> None:
+    """At the ends of H7/f7 the start has 33 and 57 mm/s and the turns 14 and 31: these fits keep 40 mm/s in
+    every turn.
+    """
+    model, measure = loose_press(), "F.approach_speed.max"
+    part = work(model, measure, turns=None, limit="40 mm/s")
+    assert model.settings.turns == 1 and (part.turns, part.averaged) == (2, 1)
+    part.run_nominal()
+    job = Job("design", None, True, lambda _: None)
+    knocks = part.run_machines(["E", "F"], np.array([[10e-6, 10e-6], [31e-6, 31e-6]]), job).values
+    for clearance, knock in zip(("25 um", "31 um"), (part.nominal, knocks[1]), strict=True):
+        run = vfife.simulate(loose_press(clearance), turns=2, companions=0, reference=False)
+        assert run.measures[measure] > 0.05 and run.summary["knocks"]["F"]["speed"] < 0.035
+        assert knock == pytest.approx(run.summary["knocks"]["F"]["speed"], rel=1e-3), clearance
+    assert 0.0 < knocks[0] < part.nominal
+    plan, task = part.read("40 mm/s")
+    assert plan.spec.of_case() == part.spec() and part.spec().counts == "last"
+    assert task.bound.high == pytest.approx(0.04)
+
+
+@pytest.mark.slow("the same answer")
+def test_the_page_says_over_which_turns_knocks_are_counted() -> None:
+    force = answer()
+    assert "the first turn of each machine, which begins with the start" in str(document(force))
+    for measure, turns, averaged, text in (
+        ("pin.approach_speed.max", 2, 1, "is that of turn 2 of the 2 turns of each machine: contacts at"),
+        (
+            "pin.impacts",
+            6,
+            3,
+            "is that of turns 4 to 6 of the 6 turns of each machine: contacts at the start",
+        ),
+        ("pin.landing_depth.max", 2, 1, "is that of all 2 turns of each machine, the fall of the journals"),
+        ("pin.force.max", 2, 1, ""),
+    ):
+        found = dataclasses.replace(force, measure=measure, turns=turns, averaged=averaged)
+        page = document(found)
+        assert len(page.data["conclusion"]) == 3 + bool(text) and text in page.data["conclusion"][-1]
+        assert "which begins with the start" not in str(page)
+        assert ('counts = "last"' in str(page)) == (measure != "pin.force.max" and "depth" not in measure)
+
+
+def test_a_design_takes_a_second_turn_for_contacts_only() -> None:
+    model = loose_pin()
+    assert work(model, "pin.approach_speed.max").turns == work(model, "pin.impacts").turns == 2
+    assert work(model, "pin.force.max").turns == work(model, "pin.landing_depth.max").turns == 1
+    assert work(model, "pin.approach_speed.max", turns=5).turns == 5

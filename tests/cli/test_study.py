@@ -345,9 +345,15 @@ def test_measures_of_the_whole_run_are_told_beside_the_turns_that_are_chosen(
         (tmp_path / "s.toml").write_text(ASKED.replace("turns = 2", f"turns = 2\nlast = {last}"))
         said = " ".join(command("study", "s.toml", "--force").stderr.split())
         assert (
-            "note: C.impacts is of the whole run, from its first turn on; last = 2 does not change that."
-            in said
+            "note: C.impacts is of the whole run, from its first turn on; last = 2 does not change that, but"
+            ' counts = "last" does.' in said
         ) is told, said
+    (tmp_path / "s.toml").write_text(ASKED.replace("turns = 2", 'turns = 2\ncounts = "last"'))
+    done = command("study", "s.toml", "--force")
+    shown = " ".join(done.stdout.split())
+    assert "C.impacts: counted over the last turn of each case." in shown and "start included" not in shown
+    (tmp_path / "s.toml").write_text(ASKED.replace("turns = 2", 'duration = "0.01 s"\ncounts = "last"'))
+    assert "a case with a duration has no turns" in command("study", "s.toml", "--force").stderr
     (tmp_path / "s.toml").write_text(
         ASKED.replace('"C.impacts"', '"C.impacts", "C.approach_speed.max"').replace(
             "turns = 2", "turns = 2\nlast = 2"

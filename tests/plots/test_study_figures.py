@@ -219,12 +219,18 @@ def test_a_search_cautions_about_a_best_case_without_impacts(speed: float, count
     from vfife.report.searches import optimum
 
     name = "C.approach_speed.max"
-    study = SimpleNamespace(parameters=(), measures={name: "m/s"}, path="s.study")
+    request = {"wanted": {"turns": 2, "last": 1}}
+    study = SimpleNamespace(parameters=(), measures={name: "m/s"}, path="s.study", request=request)
     search = SimpleNamespace(aims=[name], minimised=[name], maximised=[])
     best = [SimpleNamespace(number=1, parameters={}, values={name: speed}, feasible=True)]
     answer: Any = SimpleNamespace(study=study, search=search, best=best, cases=best, refined=0, reason="")
     parts = optimum(answer).parts
     assert sum("no impact in a best case" in str(part) for part in parts) == count
+    assert sum("its start included" in str(part) for part in parts) == 1
+    request["wanted"] = {"turns": 2, "last": 1, "counts": "last"}
+    parts = optimum(answer).parts
+    assert sum("counted over the last turn of each case" in str(part) for part in parts) == 1
+    assert not any("its start included" in str(part) for part in parts)
 
 
 def with_errors(study: vfife.studies.Study, bar: float) -> vfife.studies.Study:

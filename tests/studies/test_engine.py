@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from fake_card import FakeDriver, in_this_machine
-from vfife import load_model, simulate, study
+from vfife import gallery, load_model, simulate, study
 from vfife.assembly.assemble import assemble
 from vfife.errors import ModelError
 from vfife.report.study import document
@@ -131,6 +131,57 @@ def test_all_measures_over_two_turns_are_means_of_those_of_each() -> None:
             or ".share." in name
         )
         assert value == (every[1][name] if counted else (every[0][name] + every[1][name]) / 2.0), name
+
+
+@pytest.mark.slow("turns with many knocks")
+@pytest.mark.parametrize("last", [1, 2])
+def test_contacts_of_the_last_turns_are_those_of_a_run_less_those_before(last: int) -> None:
+    """In a lane, and in a run of its own."""
+    model, pin = gallery.slider_crank_loose_pin(friction=0.0, clearance=2e-4, restitution=0.9), "pin"
+    whole, before = (simulate(model, turns=turns, companions=0) for turns in (3, 3 - last))
+    assert whole.measures[f"{pin}.impacts"] > before.measures[f"{pin}.impacts"] > 0.0
+    wanted = {
+        name: whole.measures[f"{pin}.{name}"] - before.measures[f"{pin}.{name}"]
+        for name in ("impacts", "grazing", "deep_landings")
+    }
+    wanted["landing_depth.max"] = whole.measures[f"{pin}.landing_depth.max"]
+    wanted["approach_speed.max"] = hardest_knock(whole, pin, last)
+    assert wanted["approach_speed.max"] <= whole.measures[f"{pin}.approach_speed.max"]
+    ends = [int(result.record.steps[-1]) for result in (whole, before)]
+    for mode in ("free_flight", "impact", "continuous_contact"):
+        shares = [result.measures[f"{pin}.share.{mode}"] for result in (whole, before)]
+        steps = [share * (end + 1) for share, end in zip(shares, ends, strict=True)]
+        wanted[f"share.{mode}"] = (steps[0] - steps[1]) / (ends[0] - ends[1])
+    spec = CaseSpec((), 3, last=last, counts="last")
+    lane, alone = dict(run_cases(model, [{}], spec))[0], engine.single(Cases(model, spec), {})
+    assert lane.values == alone.values
+    found = {name: lane.values[f"{pin}.{name}"] for name in wanted}
+    assert found == pytest.approx(wanted, rel=1e-6, abs=1e-9)
+
+
+def hardest_knock(result: Any, joint: str, last: int) -> float:
+    """Largest approach speed (m/s) of the last turns of a run: of all of it if that grows in them, otherwise
+    of the entries of its impacts.
+    """
+    record = result.record
+    begin = len(record.steps) - 1 - last * (outputs_of_a_turn(record.assembly) or 1)
+    fastest = record.block("contact_fastest")[:, list(record.assembly.contacts).index(joint)]
+    if fastest[-1] > fastest[begin]:
+        return float(fastest[-1])
+    time = record.steps[begin] * record.assembly.choice.step
+    entries = [entry for entry in result.impacts.entries if entry.joint == joint]
+    return max(entry.speed for entry in entries if entry.since > time - 1e-9)
+
+
+def test_a_study_file_has_the_default_of_counts_as_former_versions_do() -> None:
+    for counts in ("case", "last"):
+        spec = CaseSpec(SOME, 2, counts=counts)
+        assert CaseSpec.of(spec.fields) == spec and ("counts" in spec.fields) == (counts == "last")
+
+
+def test_a_case_of_a_single_turn_has_all_contacts_from_its_start_on() -> None:
+    whole, last = (cases(NUMBERS[:1], CaseSpec((), 1, step=8e-6, counts=how))[0] for how in ("case", "last"))
+    assert whole.values == last.values
 
 
 @pytest.mark.usefixtures("in_lanes")

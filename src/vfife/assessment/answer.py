@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import ModelError
+from ..errors import Fault, ModelError
 from ..laws.materials import SCATTER
-from ..measures.catalogue import unit_of
-from ..model.functions import turn_of
+from ..measures.catalogue import LAST, unit_of
+from ..model.functions import crank_faults, turn_of
 from ..model.mechanism import Mechanism
 from ..report.html import NotebookDocument
 from ..results.derivatives import Effect, Sensitivity
@@ -26,7 +26,19 @@ from .ranking import Rank
 from .sample import MachineSample, growth_of
 
 SENSITIVE = 0.01  # of the measure: machines that hardly differ differ by more only in a sensitive motion
+SECOND_TURN = 2  # the first whose contacts are not those of the start of a run
 LIFE = 2.0  # clearance at the end of a life, by that of the model, unless a limit is given
+
+
+def run_turns(mechanism: Mechanism, turns: int | None, counts: str) -> int:
+    """Return the turns of each run: ``turns``, else those of the mechanism; whole ones, as machines of an
+    allocation have. Contacts of the last turns (``counts``) need one before, in which the journals fall onto
+    their bearings.
+    """
+    if turns is None:
+        settings, turn = mechanism.settings, turn_of(mechanism) or 1.0
+        turns = math.ceil(settings.turns or (settings.duration or turn) / turn)
+    return max(int(turns), SECOND_TURN) if counts == LAST else int(turns)
 
 
 class Life(NamedTuple):
@@ -258,6 +270,20 @@ def clearances(mechanism: Mechanism) -> dict[str, float]:
     """Return the clearances (m) of the joints that have one."""
     pairs = ((name, getattr(joint, "clearance", None)) for name, joint in mechanism.contacts.items())
     return {name: clearance for name, clearance in pairs if clearance}
+
+
+def refuse_unfit(mechanism: Mechanism) -> None:
+    """Raise ModelError for a mechanism without joints with clearance, or without a crank."""
+    faults = []
+    if not clearances(mechanism):
+        remedy = 'give a joint kind = "clearance" and a clearance'
+        faults.append(Fault("joint", "no joint has clearance, so there is nothing to decide", "", "", remedy))
+    if mechanism.settings.analysis == "static":
+        faults.append(Fault("run.analysis", "a static analysis has no turns", "static", "dynamic", "set it"))
+    else:
+        faults += crank_faults(mechanism, "there are no turns to count")
+    if faults:
+        raise ModelError(faults, mechanism.name)
 
 
 def refuse_unlikely(limit: float | str | None, measure: str, nominal: float | None) -> None:

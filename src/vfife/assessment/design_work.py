@@ -15,8 +15,7 @@ from ..errors import Fault, ModelError, VfifeError, suggestion
 from ..job.cost import LANES, LONG, Forecast, cores, run_cost
 from ..job.job import Interrupted, Job, PartJob, job_of
 from ..job.progress import span
-from ..measures.catalogue import differentiable
-from ..model.functions import crank_faults, turn_of
+from ..measures.catalogue import counts_of, differentiable
 from ..model.mechanism import Mechanism
 from ..options import Watch, with_options
 from ..results.derivatives import Effect, Sensitivity
@@ -43,7 +42,17 @@ from ..studies.spec.plan import CaseSpec
 from ..studies.study_work import Allocation, allocate, tables_of
 from ..tribology.simulate_wear import wear, wear_forecast
 from ..tribology.wear_state import Worn, surfaces_of, with_wear
-from .answer import LIFE, SENSITIVE, Design, clearances, effects_agree, path_of, refuse_unlikely
+from .answer import (
+    LIFE,
+    SENSITIVE,
+    Design,
+    clearances,
+    effects_agree,
+    path_of,
+    refuse_unfit,
+    refuse_unlikely,
+    run_turns,
+)
 from .sample import (
     CLEARANCE_SPREAD,
     MACHINES,
@@ -105,6 +114,9 @@ def design(mechanism: Mechanism, of: str | None = None, **options: Unpack[Design
     cheaper fits joint by joint, unless ``same_fit``. Lives are those of :func:`vfife.wear`, for
     joints with a table ``wear``, or all with the coefficient ``wear``; a life ends at ``clearance`` (m).
 
+    A measure of knocks, such as ``C.approach_speed.max``, is that of the later half of the ``turns``, at
+    least two: without the fall of the journals onto their bearings with which a run starts.
+
     A part that cannot be computed has its reason in ``missing``. ``progress(share, text)`` is called with the
     share that is done; ``turns`` is the length of each run, ``wear_turns`` that of the wear. Returns a
     :class:`Design`. Raises ModelError with all faults of the mechanism and the arguments, and for work of
@@ -145,15 +157,17 @@ class DesignWork:
         arguments.kind("of", self.of, (str, type(None)), "the name of a measure, or None")
         arguments.check()
         refuse_unfit(self.mechanism)
-        self.clearances, self.turns = clearances(self.mechanism), self.run_turns()
-        self.averaged = max(1, self.turns // 2)  # turns over which measures are means: the later half
+        self.clearances = clearances(self.mechanism)
+        self.measure = self.of or FORCE.format(next(iter(self.clearances)))
+        self.counts = counts_of(self.measure)
+        self.turns = run_turns(self.mechanism, self.options["turns"], self.counts)
+        self.averaged = max(1, self.turns // 2)  # turns that measures are of: the later half
         self.all_letters = {
             name: fit for name in self.clearances if (fit := nearest_fit(self.mechanism, name))
         }
         self.letters = {name: self.all_letters[name] for name in self.joints() if name in self.all_letters}
         self.wearing = with_wear(self.mechanism, self.options["wear"], "design()")
         limit = self.options["limit"]
-        self.measure = self.of or FORCE.format(next(iter(self.clearances)))
         self.allotment: Any = self.read(1.0 if limit is None else limit) if self.letters else None
         choices = 0 if self.allotment is None else math.prod(map(len, self.allotment[1].options))
         if search := SAME_FITS if self.options.get("same_fit") else DESCENT if choices > MOST_CHOICES else "":
@@ -176,12 +190,9 @@ class DesignWork:
             raise ModelError(faults, "design()")
         return [name for name in self.clearances if name in names]
 
-    def run_turns(self) -> int:
-        """Return the turns of each run: whole ones, as machines of an allocation have."""
-        if (turns := self.options["turns"]) is None:
-            settings, turn = self.mechanism.settings, turn_of(self.mechanism) or 1.0
-            turns = math.ceil(settings.turns or (settings.duration or turn) / turn)
-        return int(turns)
+    def spec(self, *measures: str) -> CaseSpec:
+        """Return what is computed of every machine: ``measures``, by default that of the question."""
+        return CaseSpec(measures or (self.measure,), self.turns, last=self.averaged, counts=self.counts)
 
     def tables(self, limit: float | str) -> dict[str, Any]:
         """Return the arguments of the allocation; joints whose clearances matter least come first, and so are
@@ -202,7 +213,7 @@ class DesignWork:
         }
         return {
             "vary": vary, "measures": [self.measure], "turns": self.turns, "last": self.averaged,
-            "allocation": share,
+            "counts": self.counts, "allocation": share,
             "cost": {name: dict(cost) for name in vary}, "limit": {self.measure: limit},
         }  # fmt: skip
 
@@ -346,10 +357,9 @@ class DesignWork:
         these machines, so that their mean stands for the model.
         """
         names = [self.of] if self.of is not None else [FORCE.format(name) for name in self.clearances]
-        spec = CaseSpec(tuple(names), self.turns, last=self.averaged)
         values: dict[str, list[float]] = {name: [] for name in names}
         machines = near_machines({path_of(name): gap for name, gap in self.clearances.items()})
-        for _, outcome in run_cases(self.mechanism, machines, spec):
+        for _, outcome in run_cases(self.mechanism, machines, self.spec(*names)):
             for name, value in outcome.values.items():
                 values[name].append(value)
         means = {name: math.fsum(numbers) / len(numbers) for name, numbers in values.items() if numbers}
@@ -383,9 +393,8 @@ class DesignWork:
         paths = {path_of(name): gap for name, gap in self.clearances.items()}
         answer = sensitivity(self.mechanism, [self.measure], list(paths), turns=self.turns, progress=job)
         if self.measure not in answer.doubtful:
-            spec = CaseSpec((self.measure,), self.turns, last=self.averaged)
             machines = PartJob(job, "larger clearances", (0.0, 1.0))
-            self.growths = growth_effects(self.mechanism, paths, spec, machines)
+            self.growths = growth_effects(self.mechanism, paths, self.spec(), machines)
         return answer
 
     def ranks(self, job: Job) -> MachineSample | None:
@@ -402,8 +411,8 @@ class DesignWork:
         """Run machines with ``clearances`` (m) of the joints ``names``, shape (machines, joints), over the
         turns of those for the fits. The ``job`` counts the machines.
         """
-        spec = CaseSpec((self.measure,), self.turns, last=self.averaged)
-        return run_machines(self.mechanism, clearances, {name: path_of(name) for name in names}, spec, job)
+        paths = {name: path_of(name) for name in names}
+        return run_machines(self.mechanism, clearances, paths, self.spec(), job)
 
     def clearance_limits(self, joint: str) -> tuple[float, float]:
         """Return the least and largest clearance (m) of the fits that a joint may have; half and one and a
@@ -427,7 +436,8 @@ class DesignWork:
                 f"no joint has a nominal size of {1e3 * LEAST_SIZE:g} to {1e3 * LARGEST_SIZE:g} mm"
             )
         if self.limit is None:
-            raise VfifeError(f"the value of {self.measure} is unknown; give it a limit")
+            value = "unknown" if self.nominal is None else f"{self.nominal:g} with the model's clearances"
+            raise VfifeError(f"the value of {self.measure} is {value}; give it a limit")
         answer = allocate(self.mechanism, **self.tables(self.limit), progress=job)
         if answer.choice is not None:
             options = zip(answer.task.parameters, answer.choice.options, strict=True)
@@ -449,20 +459,6 @@ class DesignWork:
         """Clearance (m) that ends the simulation of wear."""
         largest = max(surface.clearance for surface in surfaces_of(self.wearing))
         return self.options["clearance"] or LIFE * largest
-
-
-def refuse_unfit(mechanism: Mechanism) -> None:
-    """Raise ModelError for a mechanism without joints with clearance, or without a crank."""
-    faults = []
-    if not clearances(mechanism):
-        remedy = 'give a joint kind = "clearance" and a clearance'
-        faults.append(Fault("joint", "no joint has clearance, so there is nothing to decide", "", "", remedy))
-    if mechanism.settings.analysis == "static":
-        faults.append(Fault("run.analysis", "a static analysis has no turns", "static", "dynamic", "set it"))
-    else:
-        faults += crank_faults(mechanism, "there are no turns to count")
-    if faults:
-        raise ModelError(faults, mechanism.name)
 
 
 def nearest_fit(mechanism: Mechanism, joint: str) -> str:

@@ -20,13 +20,13 @@ import numpy as np
 
 from ..model.bodies import PointMass
 from ..solvers.record import Record
-from .contacts import largest_pressures, largest_sliding, losses
+from .contacts import knock_speeds, largest_pressures, largest_sliding, losses
 from .elastic import largest_deflections, largest_stresses
 from .energy import actuator_powers, driving, efficiency, largest_actuator_forces
-from .forces import joint_force_max, joint_rows, largest_shaking, shares
+from .forces import joint_force_max, joint_rows, largest_shaking, shares, shares_between
 from .motion import largest_strokes
 from .statics import static_measures
-from .turns import Window, after_first, full_run, last_turn, named
+from .turns import Window, after_first, full_run, last_turn, named, of_turn
 from .wear import wear_depths, wear_volumes
 
 # An ideal maximum below this share of the largest of its kind is round-off, and a ratio to it means nothing.
@@ -35,6 +35,7 @@ COUNTS = {
     "impacts": "onsets", "grazing": "grazing", "deep_landings": "deep", "landing_depth.max": "deepest",
     "approach_speed.max": "fastest"
 }  # fmt: skip
+SUMS = ("onsets", "grazing", "deep")  # of the rows of COUNTS: numbers of contacts since the start
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,6 +115,30 @@ def contact_counts(record: Record, window: Window) -> dict[str, float]:
     return named(record.assembly.contacts, counts | modes)
 
 
+def last_counts(turns: Sequence[Record]) -> dict[str, float]:
+    """Return the measures of :func:`contact_counts` over turns at the end of a run, records that begin with
+    the output before each: without the contacts that began before.
+
+    ``.landing_depth.max`` is that of the whole run, because the step keeps no landing by itself. Turns from
+    the start of the run on have all its contacts.
+    """
+    first, last = turns[0], turns[-1]
+    if len(turns) == 1:
+        first = last = of_turn(last, last_turn(last))
+    if first.steps[0] == 0 or not last.assembly.contacts:
+        return over_run(last)
+    parts = turns if len(turns) > 1 else [last]
+    counts = {
+        name: last.last(f"contact_{row}") - first.block(f"contact_{row}")[0]
+        for name, row in COUNTS.items()
+        if row in SUMS and last.keeps(f"contact_{row}")
+    }
+    if last.keeps("contact_fastest") and last.keeps("contact_approach"):
+        counts["approach_speed.max"] = np.max([knock_speeds(part)[0] for part in parts], axis=0)
+    modes = {f"share.{mode}": values for mode, values in shares_between(first, last).items()}
+    return over_run(last) | named(last.assembly.contacts, counts | modes)
+
+
 # -------------------------------------------------------------------------------------------------- the table
 
 LOADS = MeasureGroup(largest_loads, {"force.max": "N", "moment.max": "N m"})
@@ -185,9 +210,12 @@ OVER_RUN: Groups = (
 # Groups for which one row a turn suffices: the largest of the extremes, and the sums at the end of the turn.
 BY_TURN: Groups = (*PEAKS, LOSSES, VOLUMES)
 NEGLIGIBLE_IDEAL = 1e-9  # of the largest of its kind: an ideal force or acceleration below it is rounding
+CASE, LAST = "case", "last"  # over which contacts are counted: a whole case, or the turns of its measures
+COUNTS_KEY = f'counts = "{LAST}"'  # of a study file
 INFLUENCES = {"force.lip": "%", "angular_acceleration.lip": "%"}
 INFLUENCE = tuple(f".{ending}" for ending in INFLUENCES)
 COUNTED = tuple(f".{ending}" for group in OVER_RUN for ending in group.units)
+DEEPEST = ".landing_depth.max"  # known of a whole run only
 COUNTED_ENDINGS = frozenset(ending for group in OVER_RUN for ending in group.units)
 UNITS = {
     ending: unit for group in (*OVER_TURN, *OVER_RUN) for ending, unit in group.units.items()
@@ -315,15 +343,34 @@ def of_full_runs(names: Sequence[str]) -> list[str]:
     return [name for name in names if name.endswith(COUNTED) and "(" not in name]
 
 
+def counted_from_start(names: Sequence[str], counts: str) -> list[str]:
+    """Return the names of measures that include the start of a case; ``counts``: :data:`CASE` or
+    :data:`LAST`.
+    """
+    return [name for name in of_full_runs(names) if counts == CASE or name.endswith(DEEPEST)]
+
+
+def counts_of(measure: str) -> str:
+    """Return over which turns a measure is counted that shall be of the machine: contacts over the last
+    turns, without the fall of the journals onto their bearings with which a run starts.
+    """
+    return LAST if not differentiable(measure) and not counted_from_start([measure], LAST) else CASE
+
+
 class RequestedMeasures:
     """Evaluation of the measures ``names`` over turns; all measures if empty. ``reduced`` computes further
-    values from turns recorded output by output.
+    values from turns recorded output by output. ``counts``: contacts are counted over the whole
+    :data:`CASE`, or over the :data:`LAST` turns that are evaluated.
     """
 
     def __init__(
-        self, names: Sequence[str] = (), reduced: Callable[[Sequence[Record]], dict[str, float]] | None = None
+        self,
+        names: Sequence[str] = (),
+        reduced: Callable[[Sequence[Record]], dict[str, float]] | None = None,
+        counts: str = CASE,
     ) -> None:
         self.names, self.reduced = tuple(names), reduced
+        self.of_last = counts == LAST
         self.peaks = not names or any(name.endswith(INFLUENCE) for name in names)
         self.counts = not names or any(name.endswith(COUNTED) for name in names)
         self.groups = tuple(
@@ -333,8 +380,9 @@ class RequestedMeasures:
 
     @property
     def by_turn(self) -> bool:
-        """Whether one recorded row for each turn suffices."""
-        return self.reduced is None and set(self.groups) <= set(BY_TURN)
+        """Whether one recorded row for each turn suffices: not for the speeds of knocks of some turns."""
+        by_output = self.reduced is not None or (self.counts and self.of_last)
+        return not by_output and set(self.groups) <= set(BY_TURN)
 
     def turn_means(self, turns: Sequence[Record], reference: Mapping[str, float] | None) -> dict[str, float]:
         """Return the means over turns, each a record that begins with the output before it; counts up to the
@@ -351,6 +399,7 @@ class RequestedMeasures:
         for name in each_turn[-1]:
             values = [turn[name] for turn in each_turn if name in turn]
             mean[name] = values[0] if len(values) == 1 else math.fsum(values) / len(values)
-        mean |= over_run(turns[-1]) if self.counts else {}
+        if self.counts:
+            mean |= last_counts(turns) if self.of_last else over_run(turns[-1])
         mean |= self.reduced(turns) if self.reduced is not None else {}
         return {name: mean[name] for name in self.names if name in mean} if self.names else mean

@@ -315,6 +315,23 @@ def bin_of(angle: Array, edges: Array) -> NDArray[np.intp]:
     )
 
 
+def knock_speeds(record: Record) -> tuple[Array, NDArray[np.bool_]]:
+    """Return the largest approach speed (m/s) of each contact at an onset after the first output of a record,
+    and whether it is the largest of the run up to its end, shape (contacts,) each.
+
+    A record that begins with a run has all its contacts. The step keeps the hardest since the start of the
+    run. Where a harder one came before the record, the speed is the largest of those between two outputs, a
+    mean if several began there.
+    """
+    onsets, sums, fastest = (
+        record.block(name) for name in ("contact_onsets", "contact_approach", "contact_fastest")
+    )
+    began, speeds = np.diff(onsets, axis=0), np.diff(sums, axis=0)
+    means = np.divide(speeds, began, out=np.zeros_like(speeds), where=began > 0.0).max(axis=0, initial=0.0)
+    hardest = (fastest[-1] > fastest[0]) | (record.steps[0] == 0)
+    return np.where(hardest, fastest[-1], means), hardest
+
+
 @dataclass(frozen=True)
 class Impact:
     """A contact that began in a joint with clearance, or ``count`` of them if several began between two

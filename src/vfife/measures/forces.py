@@ -190,8 +190,23 @@ def shares(record: Record) -> dict[str, Array]:
     An impact is a step in which a contact begins, continuous contact is all of it but for its first step.
     """
     steps = float(record.steps[-1] + 1)
-    impact = record.last("contact_onsets") / steps
-    lasting = record.last("contact_duration") / (steps * record.assembly.choice.step)
+    return _shares(record, steps, record.last("contact_onsets"), record.last("contact_duration"))
+
+
+def shares_between(first: Record, last: Record) -> dict[str, Array]:
+    """Return the share of the time in each mode from the first output of a record to the last of another of
+    the same run, shape (clearances,).
+    """
+    steps = float(last.steps[-1] - first.steps[0])
+    onsets, times = (
+        last.last(name) - first.block(name)[0] for name in ("contact_onsets", "contact_duration")
+    )
+    return _shares(last, steps, onsets, times)
+
+
+def _shares(record: Record, steps: float, onsets: Array, times: Array) -> dict[str, Array]:
+    """Return shares of ``steps``, of the number of contacts and their ``times`` (s)."""
+    impact, lasting = onsets / steps, times / (steps * record.assembly.choice.step)
     return dict(zip(MODES, (np.maximum(1.0 - impact - lasting, 0.0), impact, lasting), strict=True))
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from ..model.surfaces import surfaces
 from ..solvers.record import Record
 from ..solvers.repeating import turn_grid
+from .contacts import knock_speeds
 from .repetition import Turns
 from .turns import last_turn, of_window
 
@@ -45,15 +46,13 @@ def measured_knocks(record: Record, motion: Turns | None) -> dict[str, Knocks]:
         begin = grid.end(motion.first - 1)
     else:
         begin = max(int(np.flatnonzero(last_turn(record))[0]) - 1, 0)
-    onsets, sums, fastest = (record.block(block)[begin:] for block in blocks)
+    window = np.arange(len(record.steps)) > (begin if begin else -1)
+    onsets, (speeds, hardest) = record.block("contact_onsets"), knock_speeds(of_window(record, window).record)
     result = {}
     for k, name in enumerate(record.assembly.contacts):
-        began, speeds = np.diff(onsets[:, k]), np.diff(sums[:, k])
-        mean = float((speeds[began > 0.0] / began[began > 0.0]).max(initial=0.0))
-        first = begin == 0 or fastest[-1, k] > fastest[0, k]
-        speed = float(fastest[-1, k]) if first else mean
-        count = int(onsets[-1, k] - (onsets[0, k] if begin else 0.0))
-        result[name] = Knocks(count, speed, bool(first), bool(begin) and overlaps(record, k, begin))
+        count = int(onsets[-1, k] - (onsets[begin, k] if begin else 0.0))
+        overlap = bool(begin) and overlaps(record, k, begin)
+        result[name] = Knocks(count, float(speeds[k]), bool(hardest[k]), overlap)
     return result
 
 

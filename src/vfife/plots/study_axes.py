@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 from numpy.typing import NDArray
 
-from ..measures.catalogue import COUNTED
+from ..measures.catalogue import CASE, COUNTED, counted_from_start
 from ..report.study import IMPACT_SPEED, NO_IMPACT
 from ..results.parameters import Varied
 from ..results.study import Study
@@ -155,8 +155,10 @@ def no_impact(name: str, values: Array) -> NDArray[np.bool_]:
 def turns_of_measure(study: Study, name: str) -> str:
     """Return of which turns of a case a measure is."""
     plan = study.request["wanted"]
-    if name.endswith(COUNTED) or plan.get("duration"):
+    if counted_from_start([name], plan.get("counts", CASE)) or plan.get("duration"):
         return "whole case"
+    if name.endswith(COUNTED) and plan["last"] > 1:
+        return f"last {plan['last']} turns"
     return "last turn" if plan["last"] == 1 else f"mean of the last {plan['last']} turns"
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from ..laws.materials import EXAMPLE_COEFFICIENT, EXAMPLE_LUBRICATION
-from ..measures.catalogue import differentiable
+from ..measures.catalogue import COUNTS_KEY, LAST, counts_of, differentiable
 from ..measures.wear import SIDES
 from ..model.surfaces import body_of, surface_words
 from .amounts import large_numbers, life_range_words, life_words, percent, prefixed, quantities, turns_words
@@ -62,6 +62,8 @@ def request(design: Design) -> Iterator[tuple[str, str]]:
     origin = ", a tenth above the value of the model" if design.default_limit else ""
     yield "Limit", f"{quantity_of(design, design.limit)} {share}{origin}"
     averaged = f", means over the last {design.averaged}" if design.averaged > 1 else ""
+    if counts_of(design.measure) == LAST:
+        averaged = f", counted over the last{f' {design.averaged}' if design.averaged > 1 else ''}"
     yield "Turns", f"{design.turns} in each run{averaged}"
     if design.costs:
         yield "Relative costs", f"{design.costs} of a hole or a shaft"
@@ -177,10 +179,27 @@ def life_range(life: Life) -> str:
 
 
 def conclusion(design: Design) -> Iterator[str]:
-    """Yield three sentences: which clearance matters, which fits keep the limit, which joint wears first."""
+    """Yield sentences: which clearance matters, which fits keep the limit, which joint wears first; over
+    which turns knocks are counted.
+    """
     yield clearance_sentence(design)
     yield fit_sentence(design)
     yield life_sentence(design)
+    yield from count_sentence(design)
+
+
+def count_sentence(design: Design) -> Iterator[str]:
+    """Yield over which turns contacts are counted, for a measure of them."""
+    subject, turns = sentence(words(design.measure)), f"{design.turns} turns of each machine"
+    if counts_of(design.measure) == LAST:
+        begin = design.turns - design.averaged + 1
+        part = f"turn {begin}" if begin == design.turns else f"turns {begin} to {design.turns}"
+        yield (
+            f"{subject} is that of {part} of the {turns}: contacts at the start of a run, where the"
+            " journals fall onto their bearings, are not counted (vfife run states the hardest knock there)."
+        )
+    elif not differentiable(design.measure):
+        yield f"{subject} is that of all {turns}, the fall of the journals at their start included."
 
 
 def clearance_sentence(design: Design) -> str:
@@ -347,12 +366,16 @@ def value_cautions(design: Design) -> Iterator[str]:
             f" of machines whose clearances differ by 0.02 %, which have {quantity_of(design, low)} to"
             f" {quantity_of(design, high)}."
         )
+    if not differentiable(design.measure):
+        return  # the conclusion has the turns
+    begin, subject = design.turns - design.averaged + 1, sentence(words(design.measure))
     if design.averaged > 1:
-        begin, subject = design.turns - design.averaged + 1, sentence(words(design.measure))
-        if differentiable(design.measure):
-            yield f"{subject} is the mean over turns {begin} to {design.turns} of each machine."
-        else:
-            yield f"{subject} is that of all {design.turns} turns of each machine."
+        yield f"{subject} is the mean over turns {begin} to {design.turns} of each machine."
+    elif design.turns == 1:
+        yield (
+            f"{subject} is that of the first turn of each machine, which begins with the start of the run; it"
+            " may be that of the journals as they fall onto their bearings. --turns 2 takes the second turn."
+        )
 
 
 def effect_cautions(design: Design) -> Iterator[str]:
@@ -415,7 +438,7 @@ def next_steps(design: Design, model: str) -> Iterator[str]:
     else:
         yield (
             f'vfife study STUDY.toml   (other numbers: model = "{model}", measures = ["{design.measure}"]'
-            " and a table [vary])"
+            f"{f', {COUNTS_KEY}' if counts_of(design.measure) == LAST else ''} and a table [vary])"
         )
     yield "vfife study allocate STUDY.toml   (own costs, letters and tolerances; 99 % of machines)"
     if not (joint := design.joint_to_wear):

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from .amounts import quantities, quantity
 from .document import Caution, Document, Paragraph, Part, Table
-from .study import IMPACT_SPEED, NO_IMPACT, measure_words, no_blows
+from .study import IMPACT_SPEED, NO_IMPACT, measure_words, no_blows, remarks_on_start
 
 if TYPE_CHECKING:
     from ..studies.study_work import Allocation, Optimum
@@ -36,6 +36,7 @@ def optimum(answer: Optimum) -> Document:
                 f" {no_blows(measure)}"
             )
         )
+    parts += [Paragraph(sentence, lines="whole") for sentence in remarks_on_start(study)]
     if answer.reason:
         parts.append(
             Caution(f"derivatives give no further improvement: {answer.reason}.", "note", aside=True)
@@ -74,8 +75,9 @@ def allocation(answer: Allocation) -> Document:
         "machines": answer.machines,
         "rejected": [{"fits": fits, "cost": cost} for fits, cost in answer.rejected],
     }
+    remarks: list[Part] = [Paragraph(text, lines="whole") for text in remarks_on_start(answer.study)]
     if choice is None or estimate is None:
-        return Document([], data=data)
+        return Document(remarks, data=data)
     rows = []
     for parameter, option, chosen in zip(task.parameters, choice.options, task.chosen, strict=True):
         if chosen:
@@ -93,4 +95,5 @@ def allocation(answer: Allocation) -> Document:
         f"cost {choice.cost:g}; {len(answer.rejected):,} choices as cheap or cheaper do not keep the limit"
     )
     heads = ("fit of", "fit", "cost", "clearance")
-    return Document([Table(heads, rows, numbers=(2,)), Paragraph(cheaper), Paragraph(quantile)], data=data)
+    table_part = Table(heads, rows, numbers=(2,))
+    return Document([table_part, Paragraph(cheaper), Paragraph(quantile), *remarks], data=data)

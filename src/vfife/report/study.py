@@ -11,7 +11,7 @@ import numpy as np
 
 from ..job.progress import counted
 from ..laws.stored import standing_in
-from ..measures.catalogue import COUNTED
+from ..measures.catalogue import CASE, COUNTED, COUNTS_KEY, LAST, counted_from_start
 from ..modelfile import loads
 from ..numerics.outward import DOWN, NEAREST, UP, significant
 from ..results.case_errors import NOT_ESTIMATED
@@ -223,8 +223,7 @@ def remarks_on_turns(study: Study) -> list[str]:
     """Return which measures are counted over whole cases, and whether turns were compared."""
     plan, remarks = study.request["wanted"], []
     counts = [name for name in study.measures if name.endswith(COUNTED)]
-    if counts:
-        remarks.append(f"{', '.join(counts)}: counted over the whole case, its start included.")
+    remarks += remarks_on_start(study)
     if study.sampled:
         remarks.append(
             f"{', '.join(study.sampled)}: errors are {NOT_ESTIMATED}, for they depend on the outputs, between"
@@ -242,6 +241,27 @@ def remarks_on_turns(study: Study) -> list[str]:
         remarks.append(
             'Turns were not compared: last = N takes means over turns, settle = "1 %" compares them.'
         )
+    return remarks
+
+
+def remarks_on_start(study: Study) -> list[str]:
+    """Return which measures are counted from the start of each case on, with the key that counts them over
+    the last turns; which are counted over these.
+    """
+    plan = study.request["wanted"]
+    counts = plan.get("counts", CASE)
+    names, remarks = counted_from_start(list(study.measures), counts), []
+    if names:
+        remarks.append(f"{', '.join(names)}: counted over the whole case, its start included.")
+        if counted_from_start(names, LAST) != names and not plan.get("duration"):
+            remarks.append(
+                "At the start the journals fall onto their bearings, which may be the hardest knock;"
+                f" {COUNTS_KEY} in the study file counts the last turns only."
+            )
+    if later := [name for name in study.measures if name.endswith(COUNTED) and name not in names]:
+        part = "last turn" if plan["last"] == 1 else f"last {plan['last']} turns"
+        start = ", which is also the first" if plan["last"] == plan["turns"] == 1 else ""
+        remarks.append(f"{', '.join(later)}: counted over the {part} of each case{start}.")
     return remarks
 
 
@@ -334,6 +354,7 @@ def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spr
             Paragraph(f"{spread.measure}: {error_words(spread.numerical, spread.unit)}", lines="whole")
             for spread in spreads
         ),
+        *(Paragraph(sentence, lines="whole") for sentence in remarks_on_start(study)),
         Paragraph(
             "Limits cover sampling and the numerical error of a case, the largest of those estimated: means"
             " over turns (last = N) narrow them where turns do not repeat."

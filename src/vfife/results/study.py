@@ -373,7 +373,7 @@ class Study(DataTable):
         return {
             "model": self.model, "study": self.name, "note": self.request.get("note", ""),
             "turns": requested["turns"], "last": requested["last"],
-            **({} if requested["settle"] is None else {"settle": requested["settle"]}),
+            **{key: requested[key] for key in ("settle", "counts") if requested.get(key) not in (None, CASE)},
             "vfife_version": self.request["versions"]["vfife"],
         }  # fmt: skip
 

@@ -44,6 +44,7 @@ class StudyKeys(TypedDict, total=False):
     duration: float | str  # s, instead of turns
     settle: float | str | None  # 1: a case ends when its turns repeat within this share of their size
     last: int  # turns at the end that are measured
+    counts: str  # "case": impacts and speeds of approach count from the start on; "last": in those turns
     step: float | str  # s, or "auto"
     method: str  # "grid", "list", or how samples are taken
     count: int  # of samples
@@ -97,6 +98,8 @@ def study(model: Model, vary: Vary = None, measures: Names = None, **options: Un
     settle: a case ends when its turns repeat within this share of their size
     last: number of turns at the end that are measured; counts and depths of landings, speeds of approach and
     shares of contact are of the whole run
+    counts: "last" counts landings, speeds of approach and shares of contact over these turns too, without
+    the fall of the journals at the start; the depth of the deepest landing stays that of the whole run
     step: time step (s, or a text with a unit), or "auto"
     method: "grid", "list", or the kind of samples: "random", "latin", "sobol"
     count: number of samples
@@ -310,8 +313,8 @@ def optimise(
     file: study file that keeps the cases; the same search continues with those that it has
     force: True replaces another study in the file
     progress: called with the number of cases computed
-    turns, duration, settle, last, step, method, count, seed, set, note, point: keys of a study file, as of
-    :func:`vfife.study`
+    turns, duration, settle, last, counts, step, method, count, seed, set, note, point: keys of a study file,
+    as of :func:`vfife.study`
     allocation, cost: tables of a study file that :func:`vfife.studies.allocate` uses
     workers, cluster, device, confirm: as of :func:`vfife.study`
 
@@ -343,8 +346,8 @@ def allocate(
     cost: by parameter a cost for each grade, as in {"IT7": 5}, or for each fit, as in {"H8/f7": 7.5}
     limit: of the measure, a number in SI units or a text with a unit
     optimise: table of a study file that :func:`vfife.optimise` uses
-    turns, duration, settle, last, step, method, count, seed, set, note, point: keys of a study file, as of
-    :func:`vfife.study`
+    turns, duration, settle, last, counts, step, method, count, seed, set, note, point: keys of a study file,
+    as of :func:`vfife.study`
     file, force, workers, cluster, device, progress, confirm: as of :func:`vfife.optimise`
 
     Choices are tried from the cheapest on with the same ``machines`` drawn for all. One is taken when at most

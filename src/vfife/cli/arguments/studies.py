@@ -201,7 +201,9 @@ class DesignOptions(JsonOptions, ModelOptions, JobOptions, function="design.desi
         None, "Joints that get a fit; others keep their clearance.", "D,E,F", show_default="all"
     )
     same_fit: bool = flag("--same-fit", "Use the same fit, or the same grades, in all joints.")
-    turns: int | None = option(None, "Turns of each run.", "N", min=1, show_default="the model's")
+    turns: int | None = option(
+        None, "Turns of each run; at least 2 for knocks.", "N", min=1, show_default="the model's"
+    )
     wear: str | None = option(None, "Wear coefficient of joints without a table wear.", "1/Pa")
     wear_turns: float = option(
         1e6, "Number of turns over which wear is simulated.", "N", min=1, show_default="1e6"

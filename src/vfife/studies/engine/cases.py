@@ -101,7 +101,9 @@ class Cases:
         settings = dataclasses.replace(base.settings, settle=spec.settle, companions=0)
         self.base, self.wanted = dataclasses.replace(base, settings=settings), spec
         reduced = Reductions(spec.measures)
-        self.measures = RequestedMeasures(spec.measures, reduced.compute if reduced.requested else None)
+        self.measures = RequestedMeasures(
+            spec.measures, reduced.compute if reduced.requested else None, spec.counts
+        )
         self.parameters: dict[str, Parameter | None] = {}
         self.clearances: dict[str, ClearanceNumber | None] = {}
         # Without reassembly a clearance is a number like any other, so its cases are assembled as a batch.

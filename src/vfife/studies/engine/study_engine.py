@@ -73,7 +73,7 @@ def description_of(plan: Plan) -> dict[str, Any]:
         "source": base.source,
         "text": dump(base),
         "raw": plan.raw,
-        "wanted": {**dataclasses.asdict(spec.of_case()), "measures": list(spec.measures)},
+        "wanted": spec.of_case().fields,
         "measures": units_of(plan),
         MEASURE_VERSION_KEY: MEASURE_VERSION,
         "parameters": [

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 from ...errors import Fault, Path, kind_of, shown
+from ...measures.catalogue import CASE, LAST
 from ...model.mechanism import REPETITION, Mechanism
 from ...schema import Choice, Integer, Json, Measure, Reader, Switch, Text, Value, described
 from ...schema.parts import FreeList, Names
@@ -114,6 +116,12 @@ class StudySpec:
         REPETITION, "end a case as soon as turns repeat within this share of their size", None
     )
     last: int = described(Integer(1, MOST_TURNS), "turns at the end over which measures are averaged", 1)
+    counts: str = described(
+        Choice((CASE, LAST)),
+        "turns over which impacts, approach speeds and shares of contact are counted: of the whole case, from"
+        " its start on, or the last ones",
+        CASE,
+    )
     step: Any = described(Measure("s", above=0.0, words=("auto",)), "time step of every case", "auto")
     method: str = described(
         Choice((*GRIDS, *METHODS, SEARCH)),
@@ -128,7 +136,8 @@ class StudySpec:
     def of_case(self) -> CaseSpec:
         """Return the part of the specification that the engine needs."""
         step = None if self.step == "auto" else float(self.step)
-        return CaseSpec(tuple(self.measures), self.turns, self.settle, self.last, step, self.duration)
+        length = self.turns, self.settle, self.last, step, self.duration
+        return CaseSpec(tuple(self.measures), *length, self.counts)
 
 
 @dataclass(frozen=True)
@@ -136,7 +145,8 @@ class CaseSpec:
     """What is computed for every case: ``measures`` by name (all if empty), as means over the ``last`` turns.
 
     A case makes ``turns`` turns, or fewer if they repeat within ``settle`` (1), or lasts for a ``duration``
-    (s). ``step`` (s): None for the automatic step of each case.
+    (s). ``step`` (s): None for the automatic step of each case. ``counts``: whether contacts are counted over
+    the whole "case" or the "last" turns.
     """
 
     measures: tuple[str, ...]
@@ -145,11 +155,18 @@ class CaseSpec:
     last: int = 1
     step: float | None = None
     duration: float | None = None
+    counts: str = CASE
 
     @property
     def length(self) -> dict[str, Any]:
         """Length of a case, as arguments of a run."""
         return {"turns": float(self.turns) if self.duration is None else None, "duration": self.duration}
+
+    @property
+    def fields(self) -> dict[str, Any]:
+        """The fields as JSON has them, without the default of ``counts``: former versions lack it."""
+        fields = {**dataclasses.asdict(self), "measures": list(self.measures)}
+        return {name: value for name, value in fields.items() if (name, value) != ("counts", CASE)}
 
     @classmethod
     def of(cls, fields: Mapping[str, Any]) -> CaseSpec:

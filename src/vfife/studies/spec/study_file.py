@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from ...assembly.assemble import assemble
 from ...errors import Fault, ModelError, Path, StepError, VfifeError, article, kind_of, shown, suggestion
-from ...measures.catalogue import UNITS, measures, of_full_runs, unit_of
+from ...measures.catalogue import CASE, COUNTS_KEY, LAST, UNITS, counted_from_start, measures, unit_of
 from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
@@ -279,7 +279,8 @@ def check_turns(base: Mechanism, spec: StudySpec, reader: Reader) -> None:
         except VfifeError:
             pass  # check_measures has refused the model
     if spec.duration is not None:
-        for name, value, default in (("settle", spec.settle, None), ("last", spec.last, 1)):
+        keys = ("settle", spec.settle, None), ("last", spec.last, 1), ("counts", spec.counts, CASE)
+        for name, value, default in keys:
             if value != default:
                 reader.refuse((name,), "a case with a duration has no turns", str(value), "", "leave it out")
     elif None not in (spec.last, spec.turns) and spec.last > spec.turns:
@@ -291,13 +292,14 @@ def check_turns(base: Mechanism, spec: StudySpec, reader: Reader) -> None:
 
 def remark_on_last(spec: StudySpec) -> str:
     """Return a sentence on measures of the whole run, which do not depend on ``last``; empty without any."""
-    names = of_full_runs(spec.measures) if spec.last > 1 else []
+    names = counted_from_start(spec.measures, spec.counts) if spec.last > 1 else []
     if not names:
         return ""
     message = (
         f"{', '.join(names)} {'is' if len(names) == 1 else 'are'} of the whole run, from its first turn on"
     )
-    return f"{message}; last = {spec.last} does not change that."
+    way = f", but {COUNTS_KEY} does" if counted_from_start(names, LAST) != names else ""
+    return f"{message}; last = {spec.last} does not change that{way}."
 
 
 def study_schema() -> Json:
