@@ -13,7 +13,7 @@ from vfife.errors import AssemblyError
 from vfife.model.drivers import Harmonic
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
-from vfife.model.validation.plausibility import suspects
+from vfife.model.validation.plausibility import suspects, tilt_of
 from vfife.report.overview import cautions
 
 
@@ -454,3 +454,21 @@ def test_large_radii_and_distant_starts_of_free_bodies_are_meant() -> None:
     m.rigid_body("ball", mass=1.0, inertia=1e-4, position=(0.0, 1.5), pins={"mark": (0.01, 0.0)})
     m.external_contact("floor", m.point("floor", 0.0, 0.0), "ball.center", journal_radius=0.02)
     assert suspects(m) == ()
+
+
+@pytest.mark.parametrize(
+    ("length", "words"), [(6e-3, "can turn over in"), (9.5e-3, "can turn by 9.17 deg in"), (0.05, "")]
+)
+def test_a_block_that_can_turn_far_in_its_guide_is_told(length: float, words: str) -> None:
+    sizes = {"height": 0.04, "clearance": 5e-4, "corner_radius": 1e-5}
+    m = with_joint("guide", length=length, **sizes)
+    told = suspects(m)
+    assert len(told) == bool(words) and all(words in text and "joint.guide" in text for text in told)
+
+
+@pytest.mark.parametrize("length", [0.01, 0.03, 0.08])
+def test_at_the_largest_tilt_a_block_is_as_high_as_its_guide_is_wide(length: float) -> None:
+    joint = with_joint("guide", length=length, height=0.02, clearance=2e-4).joints["guide"]
+    tilt, r = tilt_of(joint), joint.corner_radius
+    extent = (length - 2 * r) * math.sin(tilt) + (0.02 - 2 * r) * math.cos(tilt) + 2 * r
+    assert 0.0 < tilt < 0.06 and extent == pytest.approx(0.0204, rel=1e-12)

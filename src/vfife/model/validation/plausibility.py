@@ -9,11 +9,13 @@ from collections.abc import Iterator, Mapping
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
-from ...numerics.scalar import cos, distance, sin
+from ...numerics.scalar import acos, atan2, cos, distance, hypot, sin
 from ...units import in_rpm
 from ..bodies import Frame, Link, PointMass
+from ..joints import ClearanceSlider
 from .checks import connections, neighbours_of, reached
 from .magnitudes import (
+    OUT_OF_SCALE,
     suspect_constants,
     suspect_inertias,
     suspect_lengths,
@@ -34,6 +36,7 @@ NEAR_VACUUM = 0.01  # of the ambient pressure: 10 mbar, which no piston reaches
 MANY_TURNS = 10.0
 HEAVY = 300.0  # times the median of the other masses; grams taken for kilograms: 1000
 LOOSE = 0.2  # of the bearing's radius, or of the block's height: clearances of machines are below 0.05
+MOST_TILT = math.radians(5.0)  # of a block in its guide; those of machines turn by 1 degree or less
 # rad/s; a larger speed without decimals may be meant in revolutions per minute. 500 rad/s are 4,775 rpm.
 FAST = 500.0
 
@@ -51,6 +54,7 @@ def suspect_sizes(mechanism: Mechanism) -> tuple[str, ...]:
         *_angles(mechanism),
         *suspect_surfaces(mechanism),
         *clearances_at_rest(mechanism),
+        *_tilts(mechanism),
         *_speeds(mechanism),
         *_free_lengths(mechanism),
         *_positions(mechanism),
@@ -237,6 +241,32 @@ def _clearances(mechanism: Mechanism) -> Iterator[str]:
                 f"joint.{name}.clearance is {1e3 * clearance:.4g} mm, {100.0 * clearance / size:.3g} % of"
                 f" {joint.extent[1]}: is it {clearance:.4g} mm? Numbers without a unit are metres."
             )
+
+
+def _tilts(mechanism: Mechanism) -> Iterator[str]:
+    """Caution about blocks that are so short that they turn far, or over, in their guides."""
+    for name, joint in mechanism.contacts.items():
+        if not isinstance(joint, ClearanceSlider) or joint.height > OUT_OF_SCALE * joint.length:
+            continue
+        if (tilt := tilt_of(joint)) > MOST_TILT:
+            sizes = ", ".join(f"{key} {1e3 * getattr(joint, key):.4g} mm" for key in ("length", "height"))
+            extent = "over" if math.isinf(tilt) else f"by {math.degrees(tilt):.3g} deg"
+            yield (
+                f"The block of joint.{name} ({sizes}) can turn {extent} in its guide with a clearance of"
+                f" {1e3 * joint.clearance:.4g} mm: is it meant that short? length is along the guide."
+            )
+
+
+def tilt_of(joint: ClearanceSlider) -> float:
+    """Return the angle (rad) by which a block can turn in its guide from the middle; infinite if its diagonal
+    fits between the walls.
+
+    At the angle t rounded corners of radius r touch both walls:
+    (l - 2r) sin t + (h - 2r) cos t = h + 2c - 2r.
+    """
+    length, height = joint.length - 2.0 * joint.corner_radius, joint.height - 2.0 * joint.corner_radius
+    ratio = (height + 2.0 * joint.clearance) / hypot(length, height)
+    return atan2(length, height) - acos(ratio) if ratio < 1.0 else math.inf
 
 
 def _speeds(mechanism: Mechanism) -> Iterator[str]:
