@@ -13,7 +13,7 @@ from vfife.errors import AssemblyError
 from vfife.model.drivers import Harmonic
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
-from vfife.model.validation.plausibility import suspects, tilt_of
+from vfife.model.validation.plausibility import suspects
 from vfife.report.overview import cautions
 
 
@@ -469,6 +469,6 @@ def test_a_block_that_can_turn_far_in_its_guide_is_told(length: float, words: st
 @pytest.mark.parametrize("length", [0.01, 0.03, 0.08])
 def test_at_the_largest_tilt_a_block_is_as_high_as_its_guide_is_wide(length: float) -> None:
     joint = with_joint("guide", length=length, height=0.02, clearance=2e-4).joints["guide"]
-    tilt, r = tilt_of(joint), joint.corner_radius
+    tilt, r = joint.tilt, joint.corner_radius
     extent = (length - 2 * r) * math.sin(tilt) + (0.02 - 2 * r) * math.cos(tilt) + 2 * r
     assert 0.0 < tilt < 0.06 and extent == pytest.approx(0.0204, rel=1e-12)

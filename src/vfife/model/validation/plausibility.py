@@ -9,10 +9,9 @@ from collections.abc import Iterator, Mapping
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
-from ...numerics.scalar import acos, atan2, cos, distance, hypot, sin
+from ...numerics.scalar import cos, distance, sin
 from ...units import in_rpm
 from ..bodies import Frame, Link, PointMass
-from ..joints import ClearanceSlider
 from .checks import connections, neighbours_of, reached
 from .magnitudes import (
     OUT_OF_SCALE,
@@ -246,27 +245,14 @@ def _clearances(mechanism: Mechanism) -> Iterator[str]:
 def _tilts(mechanism: Mechanism) -> Iterator[str]:
     """Caution about blocks that are so short that they turn far, or over, in their guides."""
     for name, joint in mechanism.contacts.items():
-        if not isinstance(joint, ClearanceSlider) or joint.height > OUT_OF_SCALE * joint.length:
-            continue
-        if (tilt := tilt_of(joint)) > MOST_TILT:
-            sizes = ", ".join(f"{key} {1e3 * getattr(joint, key):.4g} mm" for key in ("length", "height"))
+        if (tilt := joint.tilt) > MOST_TILT and joint.reach <= OUT_OF_SCALE * getattr(joint, "length", 0.0):
+            keys = "length", "height", "clearance"
+            sizes = ", ".join(f"{key} {1e3 * getattr(joint, key):.4g} mm" for key in keys)
             extent = "over" if math.isinf(tilt) else f"by {math.degrees(tilt):.3g} deg"
             yield (
-                f"The block of joint.{name} ({sizes}) can turn {extent} in its guide with a clearance of"
-                f" {1e3 * joint.clearance:.4g} mm: is it meant that short? length is along the guide."
+                f"The block of joint.{name} ({sizes}) can turn {extent} in its guide: is it meant that short?"
+                " length is along the guide."
             )
-
-
-def tilt_of(joint: ClearanceSlider) -> float:
-    """Return the angle (rad) by which a block can turn in its guide from the middle; infinite if its diagonal
-    fits between the walls.
-
-    At the angle t rounded corners of radius r touch both walls:
-    (l - 2r) sin t + (h - 2r) cos t = h + 2c - 2r.
-    """
-    length, height = joint.length - 2.0 * joint.corner_radius, joint.height - 2.0 * joint.corner_radius
-    ratio = (height + 2.0 * joint.clearance) / hypot(length, height)
-    return atan2(length, height) - acos(ratio) if ratio < 1.0 else math.inf
 
 
 def _speeds(mechanism: Mechanism) -> Iterator[str]:
