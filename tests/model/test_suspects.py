@@ -399,3 +399,76 @@ def test_a_material_of_a_surface_is_told_too():
     (told,) = suspects(m)
     assert "material plastic is 3000 Pa" in told and "3000 MPa?" in told
     assert suspects(of_steel(youngs_modulus=7e5, density=20.0)) == ()  # a foamed rubber
+
+
+def with_joint(name: str, **changes) -> Mechanism:
+    m = gallery.slider_crank_loose_guide() if name == "guide" else gallery.slider_crank_loose_pin()
+    m.joints[name] = dataclasses.replace(m.joints[name], **changes)
+    return m
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "words"),
+    [
+        (with_joint("pin", axial_length=20.0), "joint.pin.axial_length is 20 m, "),
+        (with_joint("pin", landing_depth=0.005), "joint.pin.landing_depth is 0.005 m, "),
+        (with_joint("pin", impact_speed_floor=1.0), "joint.pin.impact_speed_floor is 1 m/s, and speeds of"),
+        (with_joint("pin", friction=vfife.laws.Ambrosio(v1=10.0)), "joint.pin.friction.v1 is 10 m/s, "),
+        (with_joint("guide", height=40.0), "joint.guide.height is 40 m, and the largest length of other"),
+    ],
+)
+def test_sizes_and_speeds_of_a_contact_are_told(mechanism: Mechanism, words: str) -> None:
+    (told,) = suspects(mechanism)
+    assert told.startswith(words) and "Numbers without a unit are m" in told
+
+
+def test_the_inertia_of_a_body_with_a_single_pin_is_compared_with_the_mechanism() -> None:
+    m = gallery.compressor()
+    m.bodies["piston"] = dataclasses.replace(m.bodies["piston"], inertia=150.0)
+    (told,) = suspects(m)
+    assert told.startswith("body.piston.inertia is 150 kg m^2 with a mass of")
+
+
+def test_a_rocker_with_a_flywheel_is_meant_after_a_coupler_with_an_inertia() -> None:
+    """Which bodies are on the ground does not depend on the bodies before."""
+    m = rod(2.268e-3, "rocker")
+    m.bodies["coupler"] = dataclasses.replace(m.bodies["coupler"], inertia=0.28**2 / 12.0)
+    assert of_inertia(m) == []
+
+
+def test_a_section_that_contradicts_itself_or_its_link_is_told() -> None:
+    def bent(section: vfife.bodies.Section) -> tuple[str, ...]:
+        m = linkage()
+        m.bodies["coupler"] = dataclasses.replace(m.bodies["coupler"], section=section, mass=None)
+        return suspects(m)
+
+    flat = vfife.bodies.Section.rectangle(0.01, 0.01)
+    assert bent(flat) == ()
+    assert "body.coupler.section is 10 m wide or deep" in bent(vfife.bodies.Section.rectangle(10.0, 10.0))[0]
+    (told,) = bent(dataclasses.replace(flat, extreme_fibre=5.0))
+    assert told.startswith("body.coupler.section.extreme_fibre is 5000 mm")
+
+
+def test_large_radii_and_distant_starts_of_free_bodies_are_meant() -> None:
+    m = Mechanism("ball", gravity=(0.0, -9.81))
+    m.rigid_body("ball", mass=1.0, inertia=1e-4, position=(0.0, 1.5), pins={"mark": (0.01, 0.0)})
+    m.external_contact("floor", m.point("floor", 0.0, 0.0), "ball.center", journal_radius=0.02)
+    assert suspects(m) == ()
+
+
+@pytest.mark.parametrize(
+    ("length", "words"), [(6e-3, "can turn over in"), (9.5e-3, "can turn by 9.17 deg in"), (0.05, "")]
+)
+def test_a_block_that_can_turn_far_in_its_guide_is_told(length: float, words: str) -> None:
+    sizes = {"height": 0.04, "clearance": 5e-4, "corner_radius": 1e-5}
+    m = with_joint("guide", length=length, **sizes)
+    told = suspects(m)
+    assert len(told) == bool(words) and all(words in text and "joint.guide" in text for text in told)
+
+
+@pytest.mark.parametrize("length", [0.01, 0.03, 0.08])
+def test_at_the_largest_tilt_a_block_is_as_high_as_its_guide_is_wide(length: float) -> None:
+    joint = with_joint("guide", length=length, height=0.02, clearance=2e-4).joints["guide"]
+    tilt, r = joint.tilt, joint.corner_radius
+    extent = (length - 2 * r) * math.sin(tilt) + (0.02 - 2 * r) * math.cos(tilt) + 2 * r
+    assert 0.0 < tilt < 0.06 and extent == pytest.approx(0.0204, rel=1e-12)

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from vfife.measures.values import Measured
 from vfife.numerics.outward import DOWN, UP, rounded, significant_range
 from vfife.report.amounts import deviations, interval, percent, quantities
+from vfife.report.run_tables import influence_text
 
 PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "": 1.0, "m": 1e-3, "µ": 1e-6, "n": 1e-9}
 sizes = st.floats(1e-8, 1e8)
@@ -120,3 +121,23 @@ def test_a_percentage_has_four_digits_at_the_most_from_a_hundred_on(
     value: float, width: float, text: str
 ) -> None:
     assert percent(value, width) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "low", "high", "text"),
+    [
+        (125.19, 119.1, 130.4, "119 to 131 %"),  # 130 % would lie at its upper end
+        (539.0, 525.0, 550.0, "540 %"),
+        (13.204, 13.19, 13.22, "13.20 %"),
+        (1.246, 1.245, 1.2472, "1.25 %"),  # two decimals are enough
+        (48.0, 30.0, 60.0, "30 to 60 %"),
+    ],
+)
+def test_a_change_that_stands_alone_is_not_rounded_to_the_edge_of_its_range(
+    value: float, low: float, high: float, text: str
+) -> None:
+    summary = {
+        "lip": {"A.force": value}, "measures": {"A.force.lip": value}, "joints": {}, "not_estimated": [],
+        "ranges": {"A.force.lip": {"low": low, "high": high}}, "turns": {},
+    }  # fmt: skip
+    assert influence_text(summary, "A.force") == text

@@ -93,10 +93,13 @@ def amount(value: float | None, unit: str, width: float = 0.0, direction: int = 
 
 def percent(value: float | None, width: float = 0.0) -> str:
     """Return a percentage with at most two decimals, and from 100 % on four digits; "" for None."""
-    if value is None:
-        return ""
+    return "" if value is None else f"{fixed_point(value, percent_places(value, width))} %"
+
+
+def percent_places(value: float, width: float = 0.0) -> int:
+    """Return the decimals of :func:`percent`, below 0 for tens, hundreds ..."""
     places = 2 if abs(value) < 100.0 else max(0, 3 - exponent(value))
-    return f"{fixed_point(value, min(places, decimals(value, width, significant=99, coarse_places=2)))} %"
+    return min(places, decimals(value, width, significant=99, coarse_places=2))
 
 
 def fixed_point(value: float, places: int, direction: int = NEAREST) -> str:

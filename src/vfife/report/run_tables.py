@@ -12,7 +12,7 @@ from ..measures.values import NOT_ESTIMATED
 from ..model.surfaces import surface_words
 from ..numerics.outward import DOWN, NEAREST, UP, exponent, rounded
 from . import dead_centres
-from .amounts import WIDE, amount, deviations, interval, percent, prefixed
+from .amounts import WIDE, amount, deviations, interval, percent, percent_places, prefixed
 from .digits import (  # fmt: skip
     ABOUT_ZERO,
     CERTAIN,
@@ -48,6 +48,7 @@ NONE_BEGAN = "none; one began before"  # a contact that was closed when the turn
 CHANGE = "Change: local influence parameter {}, in per cent of the ideal {}."
 MEANS = "The range of a mean covers turns that were not computed too, so it may reach beyond those shown."
 IDEAL = "Errors of the ideal mechanism are not estimated; the change has those of the {}."
+MOST_SHIFT = 0.25  # of the width of a range, by which rounding may move the number in it
 
 
 def tables(summary: Json) -> list[Table]:
@@ -303,14 +304,31 @@ def force_text(summary: Json, name: str, unit: str = "N") -> str:
 
 def influence_text(summary: Json, name: str) -> str:
     """Return by how many per cent clearances increase a force or acceleration, as a range where two digits
-    are not known; "" if it is not single, and for a force that the ideal mechanism has not.
+    are not known, or where rounding moves the number towards an end of its range; "" if it is not single, and
+    for a force that the ideal mechanism has not.
     """
     influence, measure = summary["lip"].get(name), f"{name}.lip"
     ideal = summary["joints"].get(name.removesuffix(".force"), {}).get("ideal_force.max")
     if influence is None or (ideal is not None and is_ideal_zero(ideal, forces_of(summary))):
         return ""
-    single = percent(influence, uncertainty(summary, measure)) + estimate_mark(summary, measure)
-    return wide_range(summary, measure, "%") or single
+    if wide := wide_range(summary, measure, "%"):
+        return wide
+    width = uncertainty(summary, measure)
+    return _range_of_shifted(summary, measure, influence) or (
+        percent(influence, width) + estimate_mark(summary, measure)
+    )
+
+
+def _range_of_shifted(summary: Json, name: str, value: float) -> str:
+    """Return the range of a percentage if its range permits only digits near an end of it, else ""."""
+    ends = (summary.get("ranges") or {}).get(name)
+    if ends is None or not is_estimated(summary, name) or is_about_zero(summary, name):
+        return ""
+    width, places = ends["high"] - ends["low"], percent_places(value, uncertainty(summary, name))
+    is_rounded_to_width = width == uncertainty(summary, name) and exponent(width) >= -places
+    if not is_rounded_to_width or abs(rounded(value, places) - value) <= MOST_SHIFT * width:
+        return ""
+    return interval(ends["low"], ends["high"], "%", 0.1 * width, prefix=False)
 
 
 def reaction(summary: Json, name: str, value: float | None) -> str:

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 from ...errors import Fault
 from ...laws import Material, Pair
-from ...numerics.scalar import atan2, hypot, sincos
+from ...numerics.scalar import acos, atan2, hypot, sincos
 from ...schema import Direction, described, quantity
 from ..drawing.strokes import Block, Extent, JointView, Label, Stroke, facing, rails, side_label
 from ..rows import AcrossGuide, Touching
@@ -55,6 +55,18 @@ class ClearanceSlider(Contact):
                 limit,
                 "give a smaller radius, and check the units of all three",
             )
+
+    @property
+    def tilt(self) -> float:
+        """Angle (rad) by which the block can turn from the middle; infinite if it can turn over.
+
+        At the angle t rounded corners of radius r touch both walls:
+        (l - 2r) sin t + (h - 2r) cos t = h + 2c - 2r.
+        """
+        length, height = self.length - 2.0 * self.corner_radius, self.height - 2.0 * self.corner_radius
+        across = height + 2.0 * self.clearance
+        diagonal = hypot(length, height)
+        return atan2(length, height) - acos(across / diagonal) if across < diagonal else math.inf
 
     @property
     def nominal_size(self) -> float:

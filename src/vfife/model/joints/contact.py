@@ -92,6 +92,11 @@ class Contact(Joint):
             yield Fault(("wear",), "only a journal in a bearing can have a worn profile", remedy=remedy)
 
     @property
+    def tilt(self) -> float:
+        """Angle (rad) by which a block can turn in its guide from the middle; 0 for other joints."""
+        return 0.0
+
+    @property
     def nominal_size(self) -> float | None:
         """Nominal size (m) of a fit of the joint: a diameter, or the height of a block; None without."""
         return None

@@ -212,3 +212,13 @@ def neighbours_of(names: Iterable[str], pairs: Iterable[Iterable[str]]) -> dict[
         neighbours[first].add(second)
         neighbours[second].add(first)
     return neighbours
+
+
+def connections(mechanism: Mechanism) -> Iterator[tuple[str, str]]:
+    """Yield the pairs of pins, or bodies, that joints, springs and gears connect."""
+    for joint in mechanism.joints.values():
+        yield joint.bearing, joint.journal
+    for spring in mechanism.springs.values():
+        yield spring.first, spring.second
+    for gear in mechanism.gears.values():
+        yield gear.first, gear.second

@@ -1,36 +1,31 @@
-"""Cautions about improbable numbers: sizes out of scale, unconnected parts, masses that contradict
-sections.
+"""Cautions about improbable models: angles, speeds, pressures and masses in another unit, unconnected parts,
+masses that contradict sections.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from itertools import combinations
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
-from ...numerics.scalar import cos, distance, hypot, sin
+from ...numerics.scalar import cos, distance, sin
 from ...units import in_rpm
-from ..bodies import Frame, Link, PointMass, RigidBody
-from .checks import neighbours_of, reached
-from .constants import suspect_constants
+from ..bodies import Frame, Link, PointMass
+from .checks import connections, neighbours_of, reached
+from .magnitudes import (
+    OUT_OF_SCALE,
+    suspect_constants,
+    suspect_inertias,
+    suspect_lengths,
+    suspect_radii,
+    suspect_velocities,
+)
 
 if TYPE_CHECKING:
     from ..loads import Load
     from ..mechanism import Mechanism
 
-# A length this many times the median of the others is cautioned about; millimetres taken for metres: 1000.
-OUT_OF_SCALE = 100.0
-HUGE = 50.0  # m, longer than the links of machines
-LONG = 5.0  # m, longer than the links of most machines
-SLENDER = 300.0  # times a bearing's radius or the height of a block: links of machines are below 50
-# Ratios of radius of gyration and size between which nothing is cautioned about: of bodies between moving
-# joints, whose size is the largest distance of two points (a uniform rod has 0.29, a mass at each end 0.5),
-# and of others, among them cranks with flywheels.
-GYRATION_BETWEEN_JOINTS = 0.05, 1.0
-GYRATION = 1.0 / 50.0, 50.0
-ROD = 1.0 / math.sqrt(12.0)  # radius of gyration of a uniform rod of length 1
 FULL_TURN = 2.0 * math.pi
 ANGLES = "angle", "zero_angle", "amplitude", "phase"  # keys of angles that a turn is enough for
 LEAST_OFFSET = 1e-6  # of a clearance: less is rounding of a place in the middle
@@ -40,6 +35,7 @@ NEAR_VACUUM = 0.01  # of the ambient pressure: 10 mbar, which no piston reaches
 MANY_TURNS = 10.0
 HEAVY = 300.0  # times the median of the other masses; grams taken for kilograms: 1000
 LOOSE = 0.2  # of the bearing's radius, or of the block's height: clearances of machines are below 0.05
+MOST_TILT = math.radians(5.0)  # of a block in its guide; those of machines turn by 1 degree or less
 # rad/s; a larger speed without decimals may be meant in revolutions per minute. 500 rad/s are 4,775 rpm.
 FAST = 500.0
 
@@ -52,25 +48,26 @@ def suspects(mechanism: Mechanism) -> tuple[str, ...]:
 def suspect_sizes(mechanism: Mechanism) -> tuple[str, ...]:
     """Return cautions about numbers."""
     return (
-        *_lengths(mechanism),
-        *_spring_lengths(mechanism),
-        *_inertias(mechanism),
+        *suspect_lengths(mechanism),
+        *suspect_inertias(mechanism),
         *_angles(mechanism),
         *suspect_surfaces(mechanism),
         *clearances_at_rest(mechanism),
+        *_tilts(mechanism),
         *_speeds(mechanism),
         *_free_lengths(mechanism),
         *_positions(mechanism),
         *_frictions(mechanism),
         *_pressures(mechanism),
         *_masses(mechanism),
+        *suspect_velocities(mechanism),
         *suspect_constants(mechanism),
     )
 
 
 def suspect_surfaces(mechanism: Mechanism) -> tuple[str, ...]:
     """Return cautions about radii and clearances of joints, which decide every force."""
-    return (*_radii(mechanism), *_clearances(mechanism))
+    return (*suspect_radii(mechanism), *_clearances(mechanism))
 
 
 def suspect_connections(mechanism: Mechanism) -> tuple[str, ...]:
@@ -201,130 +198,6 @@ def _masses(mechanism: Mechanism) -> Iterator[str]:
             )
 
 
-def _sizes(mechanism: Mechanism) -> dict[str, float]:
-    """Return the lengths (m) of links, joints and places of the ground, by path."""
-    sizes = {
-        f"body.{name}.length": body.length
-        for name, body in mechanism.bodies.items()
-        if isinstance(body, Link)
-    }
-    sizes |= {
-        f"joint.{name}.length": length
-        for name, joint in mechanism.joints.items()
-        if (length := getattr(joint, "length", None))
-    }
-    for name, (x, y) in mechanism.points.items():
-        sizes |= {f"ground.{name}": hypot(x, y)} if x or y else {}
-    return sizes
-
-
-def _spring_lengths(mechanism: Mechanism) -> Iterator[str]:
-    """Caution about free lengths of springs a hundred times the other lengths, or longer than any machine; a
-    short one, or none, is usual.
-    """
-    sizes = list(_sizes(mechanism).values())
-    for body in mechanism.bodies.values():
-        pins = body.pins.values() if isinstance(body, RigidBody) else ()
-        sizes += [size for pin in pins if (size := hypot(*pin))]
-    usual = median(sizes) if sizes else 0.0
-    for name, spring in mechanism.springs.items():
-        length = getattr(spring, "free_length", None) or 0.0
-        if length > (OUT_OF_SCALE * usual or HUGE):
-            ratio = f", {length / usual:,.0f} times the other lengths" if usual else ""
-            yield (
-                f"spring.{name}.free_length is {length:.6g} m{ratio}: is it {length:.6g} mm? Numbers without"
-                " a unit are metres."
-            )
-
-
-def _lengths(mechanism: Mechanism) -> Iterator[str]:
-    """Caution about lengths a hundred times larger or smaller than the others, or larger than any machine."""
-    sizes = _sizes(mechanism)
-    if _links_in_metres(mechanism):
-        yield _in_metres({path: size for path, size in sizes.items() if size > LONG})
-        return
-    cautioned, lengths = False, sizes.values()
-    # Medians take long: none is needed if no two lengths are so far apart.
-    disparity = len(sizes) > 2 and not min(lengths) / max(lengths) >= 1.0 / OUT_OF_SCALE
-    for path, size in sizes.items() if disparity else ():
-        ratio = size / median(value for key, value in sizes.items() if key != path)
-        if ratio > OUT_OF_SCALE:
-            cautioned = True
-            yield (
-                f"{path} is {size:.6g} m, {ratio:,.0f} times the others: is it {size:.6g} mm? Numbers"
-                " without a unit are metres."
-            )
-        elif ratio < 1.0 / OUT_OF_SCALE:
-            cautioned = True
-            yield (
-                f"{path} is {1e3 * size:.4g} mm, {1.0 / ratio:,.0f} times smaller than the others: check its"
-                " unit."
-            )
-    largest = max(sizes, key=lambda key: sizes[key], default="")
-    if largest and not cautioned and sizes[largest] > HUGE and mechanism.settings.analysis != "static":
-        yield (
-            f"{largest} is {sizes[largest]:.6g} m long. Numbers without a unit are metres: is this meant, and"
-            " not mm?"
-        )
-
-
-def _links_in_metres(mechanism: Mechanism) -> dict[str, float]:
-    """Return the lengths (m) of links that are probably in mm, by body: all links are longer than most
-    machines, and they are whole numbers of metres or out of proportion to a bearing.
-    """
-    links = {name: body.length for name, body in mechanism.bodies.items() if isinstance(body, Link)}
-    if not links or min(links.values()) <= LONG or mechanism.settings.analysis == "static":
-        return {}
-    radii = [getattr(joint, joint.extent[0], None) or 0.0 for joint in mechanism.contacts.values()]
-    slender = any(0.0 < SLENDER * radius < min(links.values()) for radius in radii)
-    return links if slender or all(length == round(length) for length in links.values()) else {}
-
-
-def _in_metres(lengths: Mapping[str, float]) -> str:
-    """Return a caution about ``lengths`` (m), by path, that are probably in mm."""
-    sizes = ", ".join(f"{path} is {length:.6g} m" for path, length in lengths.items())
-    millimetres = ", ".join(f"{length:.6g} mm" for length in lengths.values())
-    verb = "is it" if len(lengths) == 1 else "are they"
-    return f"{sizes}: {verb} {millimetres}? Numbers without a unit are metres."
-
-
-def _inertias(mechanism: Mechanism) -> Iterator[str]:
-    """Caution about radii of gyration, (I/m)^(1/2), that contradict the size of the body: kg mm^2 for kg m^2
-    is a factor of a thousand, pounds for kilograms one of two.
-    """
-    pairs, too_long = connections(mechanism), _links_in_metres(mechanism)
-    for name, body in mechanism.bodies.items():
-        if not (isinstance(body, Link | RigidBody) and body.mass and body.inertia) or name in too_long:
-            continue
-        size, (low, high) = _extent(body), GYRATION_BETWEEN_JOINTS
-        turns = any({end.partition(".")[0] for end in pair} == {name, "ground"} for pair in pairs)
-        if turns or name in mechanism.drivers or not size:
-            low, high = GYRATION
-            size = (
-                body.length if isinstance(body, Link) else max(map(_radius, body.pins.values()), default=0.0)
-            )
-        radius = math.sqrt(body.inertia / body.mass)
-        if size and not low < radius / size <= high * (1.0 + 1e-9):
-            yield (
-                f"body.{name}.inertia is {body.inertia:.4g} kg m^2 with a mass of {body.mass:.4g} kg, a"
-                f" radius of gyration of {1e3 * radius:.4g} mm for a body of {1e3 * size:.4g} mm (a"
-                f" uniform rod has {1e3 * ROD * size:.3g} mm): check its unit and that of the mass."
-            )
-
-
-def _extent(body: Link | RigidBody) -> float:
-    """Return the largest distance between two points of a body (m), 0 of one with a single point."""
-    if isinstance(body, Link):
-        return body.length
-    places = list(body.pins.values())
-    return max((distance(*pair) for pair in combinations(places, 2)), default=0.0)
-
-
-def _radius(place: tuple[float, float]) -> float:
-    """Return the distance of a place from the centre of its body (m)."""
-    return hypot(*place)
-
-
 def _angles(mechanism: Mechanism) -> Iterator[str]:
     """Caution about angles of more than a turn, which may be in degrees."""
     sections: dict[str, Mapping[str, Any]] = {
@@ -358,25 +231,6 @@ def clearances_at_rest(mechanism: Mechanism) -> Iterator[str]:
         )
 
 
-def _radii(mechanism: Mechanism) -> Iterator[str]:
-    """Caution about bearings that are larger than each body of the mechanism and its ground."""
-    sizes = {name: joint.bearing_radius for name, joint in mechanism.clearances.items()}
-    largest = max(_extents(mechanism), default=0.0) if sizes else 0.0
-    for name, size in sizes.items():
-        if largest and size > largest:
-            yield (
-                f"joint.{name}.bearing_radius is {size:.4g} m, more than the largest distance of two points"
-                f" of a body, {1e3 * largest:.4g} mm: is it {size:.4g} mm? Numbers without a unit are metres."
-            )
-
-
-def _extents(mechanism: Mechanism) -> Iterator[float]:
-    """Yield the diagonals (m) of the rectangles around the points of each body, and of the ground."""
-    for points in (mechanism.points, *(body.points for body in mechanism.bodies.values())):
-        if len(points) > 1:
-            yield hypot(*(max(places) - min(places) for places in zip(*points.values(), strict=True)))
-
-
 def _clearances(mechanism: Mechanism) -> Iterator[str]:
     """Caution about clearances that are a large share of the pin or of the block."""
     for name, joint in mechanism.contacts.items():
@@ -385,6 +239,19 @@ def _clearances(mechanism: Mechanism) -> Iterator[str]:
             yield (
                 f"joint.{name}.clearance is {1e3 * clearance:.4g} mm, {100.0 * clearance / size:.3g} % of"
                 f" {joint.extent[1]}: is it {clearance:.4g} mm? Numbers without a unit are metres."
+            )
+
+
+def _tilts(mechanism: Mechanism) -> Iterator[str]:
+    """Caution about blocks that are so short that they turn far, or over, in their guides."""
+    for name, joint in mechanism.contacts.items():
+        if (tilt := joint.tilt) > MOST_TILT and joint.reach <= OUT_OF_SCALE * getattr(joint, "length", 0.0):
+            keys = "length", "height", "clearance"
+            sizes = ", ".join(f"{key} {1e3 * getattr(joint, key):.4g} mm" for key in keys)
+            extent = "over" if math.isinf(tilt) else f"by {math.degrees(tilt):.3g} deg"
+            yield (
+                f"The block of joint.{name} ({sizes}) can turn {extent} in its guide: is it meant that short?"
+                " length is along the guide."
             )
 
 
@@ -397,16 +264,6 @@ def _speeds(mechanism: Mechanism) -> Iterator[str]:
                 f"driver.{name}.speed is {speed:,.0f} rad/s, which is {in_rpm(speed)}: is it"
                 f" {speed:.0f} rpm? Numbers without a unit are rad/s."
             )
-
-
-def connections(mechanism: Mechanism) -> Iterator[tuple[str, str]]:
-    """Yield the pairs of pins, or bodies, that joints, springs and gears connect."""
-    for joint in mechanism.joints.values():
-        yield joint.bearing, joint.journal
-    for spring in mechanism.springs.values():
-        yield spring.first, spring.second
-    for gear in mechanism.gears.values():
-        yield gear.first, gear.second
 
 
 def _loose(mechanism: Mechanism) -> Iterator[str]:
