@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .amounts import quantity
+from .amounts import limit_digits, quantity_beside_limit
 
 if TYPE_CHECKING:
     from ..assessment.answer import Design
@@ -48,5 +48,12 @@ def end(reason: str) -> str:
 
 
 def quantity_of(design: Design, value: float | None) -> str:
-    """Return a value of the measure with its unit."""
-    return UNKNOWN if value is None else quantity(value, design.unit)
+    """Return a value of the measure with its unit, and the digits by which it differs from the limit."""
+    if value is None:
+        return UNKNOWN
+    reached = None if design.allocation is None else design.allocation.quantile
+    within = design.values_within_limits
+    values = [design.nominal, design.ideal, None if reached is None else reached.value]
+    values += [float(end) for end in (within.min(), within.max())] if len(within) else []
+    digits = limit_digits(design.limit, values, not design.default_limit)
+    return quantity_beside_limit(value, design.unit, digits)
