@@ -376,9 +376,9 @@ def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spr
 def spread_digits(spread: Spread) -> Digits:
     """Return the digits of the numbers of all machines: those by which they differ from a limit."""
     values = [spread.mean, *(at.value for at in spread.quantiles.values())]
-    bound = spread.bound
-    limits = [] if bound is None else [end for end in (bound.low, bound.high) if math.isfinite(end)]
-    return Digits(min((limit_digits(limit, values).spread for limit in limits or [None]), default=0.0))
+    ends = [] if spread.bound is None else [spread.bound.low, spread.bound.high]
+    limits = [end for end in ends if math.isfinite(end)]
+    return min((limit_digits(limit, values) for limit in limits), default=limit_digits(None, values))
 
 
 def _spread(spread: Spread) -> dict[str, Any]:
