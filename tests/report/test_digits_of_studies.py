@@ -10,9 +10,9 @@ from vfife.numerics.outward import DOWN, NEAREST, UP
 from vfife.report.amounts import (
     Digits,
     limit_digits,
+    limit_quantity,
     quantities,
     quantity,
-    quantity_beside_limit,
     quantity_of_digits,
 )
 from vfife.report.study import spread_digits
@@ -67,14 +67,14 @@ DIGITS_BY_LIMIT = [  # limit (SI), another value, unit, how both are printed
 @pytest.mark.parametrize(("limit", "value", "unit", "texts"), DIGITS_BY_LIMIT)
 def test_a_limit_keeps_its_digits_and_differs_from_a_value(limit, value, unit, texts) -> None:
     digits = limit_digits(limit, [value])
-    assert tuple(quantity_beside_limit(number, unit, digits) for number in (limit, value)) == texts
+    assert tuple(limit_quantity(number, unit, digits) for number in (limit, value)) == texts
 
 
 def test_digits_beside_a_limit_do_not_depend_on_the_zero() -> None:
     for zero in (0.0, 0.1, 0.3):
         limit, value = zero + 0.00079, zero + 0.00078564
         digits = limit_digits(limit, [value, zero + 0.0007], written=False)
-        text = quantity_beside_limit(value, "m", digits).split()
+        text = limit_quantity(value, "m", digits).split()
         assert float(text[0]) * {"mm": 1e-3, "µm": 1e-6}[text[1]] == pytest.approx(value, abs=1e-7)
 
 
@@ -86,6 +86,6 @@ def test_numbers_of_all_machines_differ_from_the_limit() -> None:
     )  # fmt: skip
     digits = spread_digits(spread)
     ways = zip((at.value, at.low, at.high), (NEAREST, DOWN, UP), strict=True)
-    texts = [quantity_beside_limit(value, "m", digits, way) for value, way in ways]
+    texts = [limit_quantity(value, "m", digits, way) for value, way in ways]
     assert texts == ["115.7897 mm", "115.7886 mm", "115.7931 mm"]
     assert "0.11579 m" in spread.bound.words("m")

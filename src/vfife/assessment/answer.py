@@ -328,8 +328,8 @@ def default_limit(
         return None
     if not is_coordinate(measure):
         return (1.0 + ALLOWANCE) * nominal if nominal > 0.0 else None
-    least = UNCHANGED * max(clearances(mechanism).values())
-    return None if ideal is None or nominal - ideal <= least else nominal + ALLOWANCE * (nominal - ideal)
+    threshold = UNCHANGED * max(clearances(mechanism).values())
+    return None if ideal is None or nominal - ideal <= threshold else nominal + ALLOWANCE * (nominal - ideal)
 
 
 def missing_limit(measure: str, nominal: float | None, scale: float) -> str:

@@ -166,7 +166,7 @@ def limit_digits(limit: float | None, values: Iterable[float | None], written: b
     mantissa = f"{limit:.{MOST_DIGITS - 1}e}".partition("e")[0].rstrip("0").lstrip("-")
     count = len(mantissa.replace(".", ""))
     if written and limit and count < MOST_DIGITS:
-        last = 10.0 ** (exponent(limit) - count + 1)
+        last = float(f"1e{exponent(limit) - count + 1}")
         spread = min(spread, 100.0 * last) if spread else 100.0 * last
     return Digits(spread)
 
@@ -187,7 +187,7 @@ def quantity_of_digits(value: Any, unit: str, digits: Digits, direction: int = N
     return text.removesuffix(" 1")
 
 
-def quantity_beside_limit(value: float | None, unit: str, digits: Digits, direction: int = NEAREST) -> str:
+def limit_quantity(value: float | None, unit: str, digits: Digits, direction: int = NEAREST) -> str:
     """Return a quantity as :func:`quantity`, with more digits where :func:`limit_digits` asks for them."""
     prefixes = unit in PREFIXED or unit == "m/s"
     usual = 4 if prefixes else 6 if unit in ("1", "%") else 5

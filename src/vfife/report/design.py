@@ -230,11 +230,11 @@ def equal_joints(joints: list[JointDesign], decisive: JointDesign) -> list[str]:
     """
     if decisive.effect is None:
         return []
-    least = (1.0 - EQUAL) * min(abs(decisive.effect.low), abs(decisive.effect.high))
+    smallest_size = (1.0 - EQUAL) * min(abs(decisive.effect.low), abs(decisive.effect.high))
     names = [
         joint.name
         for joint in joints
-        if joint.effect and max(abs(joint.effect.low), abs(joint.effect.high)) >= least
+        if joint.effect and max(abs(joint.effect.low), abs(joint.effect.high)) >= smallest_size
     ]
     return names if len(names) > 1 else []
 
@@ -261,10 +261,10 @@ def indifference(design: Design, subject: str) -> str:
     beginning = f"None of the clearances matters for {subject}: each"
     if len(changes) == 1:
         beginning = f"The clearance of {design.joints[0].name} does not matter for {subject}: it"
-    most = percent(math.ceil(100.0 * max(changes)) / 100.0)
+    largest = percent(math.ceil(100.0 * max(changes)) / 100.0)
     if design.by_difference:
-        most = difference_words(max(changes), design.unit, 0.1 * max(changes), UP)
-    return f"{beginning} changes it by at most {most} {over}."
+        largest = difference_words(max(changes), design.unit, 0.1 * max(changes), UP)
+    return f"{beginning} changes it by at most {largest} {over}."
 
 
 def ranking_sentence(design: Design, subject: str) -> str:

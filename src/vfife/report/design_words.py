@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from ..numerics.outward import NEAREST, exponent
+from ..numerics.outward import NEAREST
 from .amounts import (
     Digits,
     interval,
@@ -14,9 +14,9 @@ from .amounts import (
     life_range_words,
     life_words,
     limit_digits,
+    limit_quantity,
     percent,
     prefixed,
-    quantity_beside_limit,
     quantity_of_digits,
     turns_words,
 )
@@ -77,7 +77,7 @@ def quantity_of(design: Design, value: float | None) -> str:
     values = [design.nominal, design.ideal, None if reached is None else reached.value]
     values += [float(end) for end in (within.min(), within.max())] if len(within) else []
     digits = limit_digits(design.limit, values, not design.default_limit)
-    return quantity_beside_limit(value, design.unit, digits)
+    return limit_quantity(value, design.unit, digits)
 
 
 def effect_words(design: Design, effect: Effect) -> str:
@@ -113,7 +113,7 @@ def effect_difference(design: Design, effect: Effect) -> str:
 def difference_words(value: float, unit: str, width: float, direction: int = NEAREST) -> str:
     """Return a difference with four digits at most, none finer than its uncertainty ``width``."""
     if unit == "rad" and value:
-        return prefixed(value, unit, max(width, 10.0 ** (exponent(value) - 3)), direction)
+        return prefixed(value, unit, max(width, abs(value) * MOST_PARTS), direction)
     return quantity_of_digits(value, unit, Digits(error=max(width, abs(value) * MOST_PARTS)), direction)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .amounts import limit_digits, quantities, quantity, quantity_beside_limit
+from .amounts import limit_digits, limit_quantity, quantities, quantity
 from .document import Caution, Document, Paragraph, Part, Table
 from .study import IMPACT_SPEED, NO_IMPACT, measure_words, no_blows
 
@@ -84,9 +84,7 @@ def allocation(answer: Allocation) -> Document:
                 (parameter.name, option.name, f"{option.cost:g}", quantities(low, high, "m", exact=True))
             )
     unit, digits = answer.study.measures[table.measure], limit_digits(task.bound.high, [estimate.value])
-    reached, limit = (
-        quantity_beside_limit(value, unit, digits) for value in (estimate.value, task.bound.high)
-    )
+    reached, limit = (limit_quantity(value, unit, digits) for value in (estimate.value, task.bound.high))
     quantile = (
         f"{100.0 * table.share:g} % quantile of {table.measure}: {reached}, limit"
         f" {limit}; {answer.failures} of {answer.machines:,} machines are beyond it"

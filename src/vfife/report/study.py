@@ -16,15 +16,7 @@ from ..modelfile import loads
 from ..numerics.outward import DOWN, NEAREST, UP, significant
 from ..results.case_errors import NOT_ESTIMATED
 from ..store.lock import holder
-from .amounts import (
-    Digits,
-    limit_digits,
-    prefixed,
-    quantities,
-    quantity,
-    quantity_beside_limit,
-    quantity_of_digits,
-)
+from .amounts import Digits, limit_digits, limit_quantity, prefixed, quantities, quantity, quantity_of_digits
 from .case_errors import digits_of, error_table, error_words, errors_data, sensitivity_data, study_cautions
 from .document import Caution, Document, Paragraph, Part, Table, incomplete
 
@@ -313,7 +305,7 @@ def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spr
             words: str, *values: float, measure: str = "", unit: str = spread.unit, digits: Digits = shown
         ) -> None:
             texts = (
-                quantity_beside_limit(value, unit, digits, way) if math.isfinite(value) else "-"
+                limit_quantity(value, unit, digits, way) if math.isfinite(value) else "-"
                 for value, way in zip(values, (NEAREST, DOWN, UP), strict=True)
             )
             rows.append((measure, words, *texts))
