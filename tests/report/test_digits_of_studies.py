@@ -4,6 +4,8 @@ error.
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
 
 from vfife.numerics.outward import DOWN, NEAREST, UP
@@ -15,6 +17,7 @@ from vfife.report.amounts import (
     quantity,
     quantity_of_digits,
 )
+from vfife.report.searches import allocation
 from vfife.report.study import spread_digits
 from vfife.studies.methods.tolerance import Spread
 from vfife.studies.spec.limits import Bound, Estimate
@@ -89,3 +92,16 @@ def test_numbers_of_all_machines_differ_from_the_limit() -> None:
     texts = [limit_quantity(value, "m", digits, way) for value, way in ways]
     assert texts == ["115.7897 mm", "115.7886 mm", "115.7931 mm"]
     assert "0.11579 m" in spread.bound.words("m")
+
+
+def test_an_allocation_shows_the_quantile_and_the_limit_as_different() -> None:
+    name = "guide.position.high"
+    table = SimpleNamespace(measure=name, share=0.95, confidence=0.95)
+    task = SimpleNamespace(table=table, bound=Bound(name, high=0.11579), parameters=(), chosen=())
+    answer = SimpleNamespace(
+        study=SimpleNamespace(path="a.study", measures={name: "m"}), task=task, fits={}, cost=9.0,
+        choice=SimpleNamespace(options=(), cost=9.0), failures=0, machines=59, rejected=(),
+        quantile=Estimate(0.1157856, 0.1157, 0.1158),
+    )  # fmt: skip
+    text = allocation(answer).parts[-1].text
+    assert "95 % quantile of guide.position.high: 115.7856 mm, limit 115.79 mm;" in text
