@@ -534,7 +534,7 @@ def test_a_life_that_the_model_determines_has_the_range_of_the_step() -> None:
 
 @pytest.mark.slow("the same answer")
 def test_which_joint_wears_first_is_not_determined_where_the_ranges_of_lives_differ() -> None:
-    from vfife.report.design import first_joints
+    from vfife.report.design_words import first_joints
 
     life = answer().joints[0].life
     narrow, broad = life._replace(turns=2e6, span=(1e5, 9e6)), life._replace(turns=1e6, span=(2e5, 3e6))

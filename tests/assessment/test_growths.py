@@ -1,8 +1,10 @@
 """The effect of a larger clearance is that of machines that have it, not that of a derivative."""
 
 import dataclasses
+import json
 import math
 from collections.abc import Callable
+from shlex import split
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,11 +12,25 @@ import pytest
 
 import vfife
 from vfife.assessment import sample
-from vfife.assessment.answer import Design, JointDesign, effects_agree, path_of
+from vfife.assessment.answer import (
+    Design,
+    JointDesign,
+    default_limit,
+    effects_agree,
+    missing_limit,
+    path_of,
+    refuse_unlikely,
+)
 from vfife.assessment.ranking import Rank
 from vfife.assessment.sample import MachineSample, growth_effects, with_growths
+from vfife.errors import ModelError
+from vfife.gallery import path
 from vfife.job.cost import Forecast
-from vfife.report.design import clearance_sentence, document, row
+from vfife.measures.catalogue import is_coordinate
+from vfife.modelfile import loads
+from vfife.report.design import clearance_sentence, document, next_steps, request, row
+from vfife.report.design_words import quantity_of
+from vfife.report.fits import fit_sentence
 from vfife.results.derivatives import Derivative, Effect, Sensitivity
 from vfife.studies.engine.outcome import Outcome
 from vfife.studies.spec.plan import CaseSpec
@@ -180,3 +196,155 @@ def test_the_forecast_counts_the_machines_with_growths() -> None:
         (5.0 + more, 20.0 + more)
     )
     assert with_growths(dataclasses.replace(plain, ends=None), 2, 1.0).ends is None
+
+
+# ------------------------------------------------------------------ measures whose zero is arbitrary
+
+
+def press(shift_mm: float) -> vfife.Mechanism:
+    """The press of the starter with its clearances and its work; the zero of its guide moved along it."""
+    text = path("six_bar_press").read_text(encoding="utf-8").replace("#~ ", "")
+    guide = 'guide = ["700 mm", "-220 mm"]'
+    assert text.count(guide) == 1 and "25 um" in text and "[load.work]" in text
+    text = text.replace(guide, f'guide = ["{700.0 + shift_mm:.9g} mm", "-220 mm"]')
+    travels = (-100, 60, 70, 100, 110, 120)
+    old, new = (
+        "travels = " + json.dumps([f"{x - shift:.9g} mm" for x in travels]) for shift in (0.0, shift_mm)
+    )
+    assert text.count(old) == 1
+    return loads(text.replace(old, new))
+
+
+@pytest.mark.slow("machines with larger clearances and fits of a press, thrice")
+def test_a_zero_elsewhere_changes_no_verdict_on_a_position() -> None:
+    """Effects, digits and fits are the same with the zero at the guide, near the dead centre, and at it."""
+    answers = []
+    for shift in (0.0, 115.0, 115.768):
+        limit = f"{115.79 - shift:.6g} mm"
+        found = vfife.design(
+            press(shift), "guide.position.high", limit=limit, share=0.5, cost={"IT7": 2.5, "IT9": 1.0}
+        )
+        effects = {joint.name: joint.effect for joint in found.joints}
+        assert 2.4e-6 < effects["E"].low < effects["E"].high < 2.6e-6  # one to one
+        difference = found.value - found.ideal
+        assert difference == pytest.approx(51e-6, rel=0.02) and not found.sensitive
+        sentence = clearance_sentence(found)
+        assert sentence.startswith("The clearances of E and F matter most, about equally: 2.5 µm more of ")
+        assert "%" not in sentence and " by +2.5" in sentence
+        shown = row(found, found.joints[0])[3:5]
+        assert all(cell.endswith("µm") for cell in shown)
+        limited = fit_sentence(found)
+        assert f"to {limit.replace('0.79 mm', '790 µm').replace('0.022 mm', '22 µm')} in 50 %" in limited
+        reached = found.allocation.quantile.value
+        assert reached < found.limit and quantity_of(found, reached) != quantity_of(found, found.limit)
+        answers.append((found.allocation.fits, [difference, *(effect.value for effect in effects.values())]))
+    (fits, effects), *others = answers
+    for others_fits, others_effects in others:
+        assert others_fits == fits and others_effects == pytest.approx(effects, rel=1e-3)
+
+
+def position(nominal: float, ideal: float | None, change: float, **options) -> Design:
+    """A design answer for the place of a piston whose clearance of 200 µm changes it."""
+    return Design(
+        model(), "guide.position.high", None, False, 0.95, {}, nominal=nominal, ideal=ideal,
+        missing={"fits": "none", "life": "none"},
+        growths={PATH: Effect(PATH, "change", change, change - 1e-9, change + 1e-9)}, **options,
+    )  # fmt: skip
+
+
+def test_a_position_is_judged_by_its_difference_from_the_ideal_mechanism() -> None:
+    for zero in (-0.3, 0.0, 1e-4, 0.3):
+        found = position(zero + 2e-4, zero, 9e-6)
+        assert "The clearance of pin matters most: 10 µm more" in clearance_sentence(found)
+        assert "by +9 µm (8.999 to 9.001 µm)" in clearance_sentence(found)
+        assert row(found, found.joints[0])[3:5] == ("+9 µm", "8.999 to 9.001 µm")
+        quiet = clearance_sentence(position(zero + 2e-4, zero, 1.5e-6))
+        assert "does not matter" in quiet and "at most 1.6 µm with" in quiet
+        scattered = (zero + 1.95e-4, zero + 2.05e-4)
+        assert position(zero + 2e-4, zero, 9e-6, nominal_range=scattered).sensitive
+        assert not position(zero + 2e-4, zero, 9e-6, nominal_range=(zero + 2e-4, zero + 2.01e-4)).sensitive
+    # A coordinate that clearances do not change at all.
+    assert "does not matter" in clearance_sentence(position(0.3, 0.3, 1.5e-9))
+    assert "matters most" in clearance_sentence(position(0.3, None, 9e-6))
+    data = document(position(0.3002, 0.3, 9e-6)).data
+    assert data["effect_unit"] == "m" and data["ideal"] == 0.3
+    assert document(design(5.0)).data["effect_unit"] == "%"
+
+
+def test_a_force_has_its_effect_in_per_cent_and_in_its_unit() -> None:
+    assert row(design(5.0), design(5.0).joints[0])[3] == "+5.0 %, +50 N"
+    assert clearance_sentence(design(5.0)).endswith("by +5.0 % (4.9 % to 5.1 %), +50 N.")
+
+
+def test_effects_of_positions_are_differences_also_of_machines(monkeypatch: pytest.MonkeyPatch) -> None:
+    def machines(_mechanism, numbers, spec):
+        for k, clearances in enumerate(numbers):
+            values = {"guide.position.high": 1e-9 + 0.5 * clearances[PATH]}
+            yield k, Outcome(values=values, turns=2, step=1e-5, steps=2 * 7200)
+
+    monkeypatch.setattr(sample, "run_cases", machines)
+    job = SimpleNamespace(count=lambda *_, **__: None)
+    spec = CaseSpec(("guide.position.high",), 2)
+    effect = growth_effects(model(), {PATH: CLEARANCE}, spec, job)[PATH]
+    assert effect.value == pytest.approx(5e-6, rel=1e-3)
+
+
+def test_the_default_limit_of_a_position_is_a_tenth_of_its_difference_above() -> None:
+    def limit(nominal: float, ideal: float | None, measure: str = "guide.position.high") -> float | None:
+        return default_limit(measure, model(), nominal, ideal)
+
+    assert limit(1000.0, None, MEASURE) == pytest.approx(1100.0) and limit(-1.0, None, MEASURE) is None
+    for zero in (-0.3, 0.0, 0.3):
+        assert limit(zero + 2e-4, zero) == pytest.approx(zero + 2.2e-4, abs=1e-12)
+        assert limit(zero - 2e-4, zero) is None and limit(zero + 1e-9, zero) is None
+    assert limit(0.3, None) is None
+    assert '--limit "300.2 mm"' in missing_limit("guide.position.high", 0.3, 2e-4)
+    assert '--limit "2.5 rad"' in missing_limit("max(rocker.angle)", 2.4, 0.1)
+    assert "is unknown" in missing_limit(MEASURE, None, 0.0)
+    found = dataclasses.replace(position(0.3002, 0.3, 9e-6), limit=0.30022, default_limit=True)
+    (line,) = [text for name, text in request(found) if name == "Limit"]
+    assert line.endswith("a tenth of the difference from the ideal mechanism above the value of the model")
+
+
+def test_a_bare_limit_of_a_position_is_refused_where_its_unit_is_missing_not_by_its_zero() -> None:
+    refuse_unlikely("0.0007", "guide.position.high", 1e-7)
+    refuse_unlikely("0.11579", "guide.position.high", 0.11577)
+    with pytest.raises(ModelError, match="a unit is probably missing"):
+        refuse_unlikely("115.79", "guide.position.high", 0.11577)
+
+
+def test_clearances_with_equal_effects_matter_equally(monkeypatch: pytest.MonkeyPatch) -> None:
+    (pin,) = design(5.0).joints
+
+    def sentence_with(other: Effect) -> str:
+        joints = (pin, dataclasses.replace(pin, name="wheel", effect=other))
+        monkeypatch.setattr(Design, "joints", joints)
+        return clearance_sentence(design(5.0))
+
+    assert "The clearances of pin and wheel matter most, about equally: 10 µm more of pin" in sentence_with(
+        Effect(PATH, "change", 4.85, 4.8, 4.9)
+    )
+    assert "The clearance of pin matters most: " in sentence_with(Effect(PATH, "change", 4.0, 3.9, 4.1))
+
+
+def test_commands_of_a_page_survive_a_shell() -> None:
+    def commands(found: Design, file: str) -> list[str]:
+        return [line for line in next_steps(found, file) if line.startswith("vfife sensitivity")]
+
+    (line,) = commands(design(5.0), "my press.toml")
+    assert split(line.partition("   (")[0]) == ["vfife", "sensitivity", "my press.toml", "--of", MEASURE]
+    angle = dataclasses.replace(position(2.5, 2.4, 0.01), measure="max(rocker.angle)")
+    assert not commands(angle, "press.toml")  # which has no derivatives
+    assert 'measures = ["max(rocker.angle)"]' in " ".join(next_steps(angle, "press.toml"))
+    assert angle.unit == "rad"
+
+
+def test_measures_whose_zero_is_arbitrary() -> None:
+    coordinates = (
+        "guide.position.high", "guide.position.low", "max(rocker.angle)", "mean(ram.x)", "min(guide.position)"
+    )  # fmt: skip
+    others = (
+        MEASURE, "range(rocker.angle)", "max(E.eccentricity_x)", "max(rocker.angular_velocity)",
+        "max(E.force)", "E.penetration.max",
+    )  # fmt: skip
+    assert all(map(is_coordinate, coordinates)) and not any(map(is_coordinate, others))

@@ -13,20 +13,27 @@ from numpy.typing import NDArray
 
 from ..errors import Fault, ModelError
 from ..laws.materials import SCATTER
-from ..measures.catalogue import LAST, unit_of
+from ..measures.catalogue import LAST, is_coordinate, is_reduction, unit_of
 from ..model.functions import crank_faults, turn_of
 from ..model.mechanism import Mechanism
 from ..report.html import NotebookDocument
 from ..results.derivatives import Effect, Sensitivity
-from ..studies.spec.distributions import SIGMAS
+from ..studies.spec.distributions import SIGMAS, of_fit
+from ..studies.spec.iso286 import LARGEST_SIZE, LEAST_SIZE, LETTERS
 from ..studies.study_work import Allocation
 from ..tribology.wear_state import Worn
-from ..units import unit_fault
+from ..units import number, unit_fault
 from .ranking import Rank
 from .sample import MachineSample, growth_of
 
+RUNNING = LETTERS[: LETTERS.index("h")]  # letters of shafts that always have clearance
 SENSITIVE = 0.01  # of the measure: machines that hardly differ differ by more only in a sensitive motion
 SECOND_TURN = 2  # the first whose contacts are not those of the start of a run
+# Above the value with the clearances of the model: the limit that fits keep unless one is given, as a share
+# of this value, or of the difference of a coordinate from the ideal mechanism.
+ALLOWANCE = 0.1
+UNCHANGED = 0.01  # of the largest clearance: a coordinate that differs less from the ideal one is the same
+LEAST_COORDINATE = 0.01  # m or rad: units of a limit are not guessed from a coordinate nearer to its zero
 LIFE = 2.0  # clearance at the end of a life, by that of the model, unless a limit is given
 
 
@@ -62,8 +69,8 @@ class Life(NamedTuple):
 class JointDesign:
     """Findings for a joint with ``clearance`` (m).
 
-    ``growth`` (m) of the clearance changes the measure by ``effect`` (value, low and high in per cent), in
-    machines that have this growth.
+    ``growth`` (m) of the clearance changes the measure by ``effect`` (value, low and high in per cent; SI
+    units of a position or an angle, whose zero is arbitrary), in machines that have this growth.
     ``rank`` is the partial rank correlation of the measure with the clearance over the machines of the
     sample. ``fit`` with the ``limits`` (m) of its clearance, and ``life``. None: not computed.
     """
@@ -87,7 +94,9 @@ class Design(NotebookDocument):
     the reason by part ("sensitivity", "fits", "life"). ``nominal`` is the measure (SI) with the clearances
     of the model, the mean of machines that hardly differ, and ``nominal_range`` their least and largest. It
     and the measures of all machines for the fits are means over the last ``averaged`` of ``turns`` turns.
-    ``limit`` (SI) is that of the measure; with ``default_limit`` a tenth above the nominal value.
+    ``limit`` (SI) is that of the measure; with ``default_limit`` a tenth above the nominal value. ``ideal``
+    is the measure (SI) of the mechanism without clearance, for a coordinate: a position or an angle, whose
+    zero is arbitrary, is compared with it, and its default limit is a tenth of the difference above.
     ``letters`` are the nearest fits by joint, from which letters of fits come; other joints keep their
     clearance. ``sample``: machines with clearances from the finest to the coarsest fit, which rank the
     clearances. ``search``: "all" choices of fits, the "same" grades in all joints, or a "descent" from
@@ -116,6 +125,7 @@ class Design(NotebookDocument):
     search: str = "all"
     corners: MachineSample | None = None
     growths: Mapping[str, Effect] = field(default_factory=dict)
+    ideal: float | None = None
 
     @property
     def name(self) -> str:  # type: ignore[override]
@@ -138,8 +148,18 @@ class Design(NotebookDocument):
     def sensitive(self) -> bool:
         """Whether machines that hardly differ, or runs with other time steps, differ in the measure."""
         low, high = self.nominal_range or (0.0, 0.0)
-        scattered = bool(self.nominal) and high - low > SENSITIVE * abs(self.nominal or 0.0)
+        scattered = high - low > SENSITIVE * self.scale > 0.0
         return scattered or (self.sensitivity is not None and self.measure in self.sensitivity.doubtful)
+
+    @property
+    def by_difference(self) -> bool:
+        """Whether the zero of the measure is arbitrary, so that effects are differences, not shares."""
+        return is_coordinate(self.measure)
+
+    @property
+    def scale(self) -> float:
+        """Size (SI) by which changes of the measure are judged: see :func:`scale_of`."""
+        return scale_of(self.measure, self.mechanism, self.nominal, self.ideal)
 
     @property
     def limit_deviations(self) -> float:
@@ -213,11 +233,13 @@ class Design(NotebookDocument):
         return JointDesign(name, clearance, growth, effect, fit, limits, life, rank)
 
     def _effect(self, path: str) -> Effect | None:
-        """Return the effect (%) of the growth of a clearance; None where runs with other time steps disagree
-        on the measure, or nothing was computed.
+        """Return the effect of the growth of a clearance; None where runs with other time steps disagree on
+        the measure, or nothing was computed.
         """
         answer = self.sensitivity
-        if answer is None or self.measure not in answer.measures or self.measure in answer.doubtful:
+        if answer is None:  # see is_grown
+            return self.growths.get(path)
+        if self.measure not in answer.measures or self.measure in answer.doubtful:
             return None
         return self.growths.get(path)
 
@@ -250,10 +272,19 @@ class Design(NotebookDocument):
         return Life(life.smoothed, span, end, reached, *shapes)
 
 
-def effects_agree(answer: Sensitivity, measure: str, growths: Mapping[str, Effect]) -> bool:
-    """Return whether the effects of all clearances on a measure are known, and small changes have the signs
-    of the ``growths`` by path.
+def is_grown(measure: str) -> bool:
+    """Return whether effects on a measure are those of machines with larger clearances alone: a statistic of
+    a channel has no derivatives, and those of a coordinate are judged by its value, whose zero is arbitrary.
     """
+    return is_reduction(measure) or is_coordinate(measure)
+
+
+def effects_agree(answer: Sensitivity | None, measure: str, growths: Mapping[str, Effect]) -> bool:
+    """Return whether the effects of all clearances on a measure are known, and small changes have the signs
+    of the ``growths`` by path. Without an ``answer``, for a measure without derivatives, these alone count.
+    """
+    if answer is None:
+        return bool(growths) and all(growth.kind != "unknown" for growth in growths.values())
     small = {
         derivative.path: answer.effect(measure, derivative.path)
         for derivative in answer.derivatives
@@ -291,8 +322,62 @@ def refuse_unlikely(limit: float | str | None, measure: str, nominal: float | No
     measure.
     """
     origin = f"{measure} with the clearances of the model"
+    if is_coordinate(measure) and isinstance(limit, str):
+        nominal = max(abs(nominal or 0.0), LEAST_COORDINATE)
+        if abs(number(limit, unit_of(measure))) < nominal:
+            return
     if fault := unit_fault("limit", limit, unit_of(measure), nominal, origin):
         raise ModelError([fault], "design()")
+
+
+def scale_of(measure: str, mechanism: Mechanism, nominal: float | None, ideal: float | None) -> float:
+    """Return the size (SI) by which changes of a measure are judged: that of its ``nominal`` value, 0 if it
+    is unknown. Of a coordinate, whose zero is arbitrary, it is the difference from the ``ideal`` mechanism,
+    at least a hundredth of the largest clearance (m; rad on a length of 1 m), or this clearance where the
+    ideal mechanism has no value.
+    """
+    if not is_coordinate(measure):
+        return abs(nominal or 0.0)
+    largest = max(clearances(mechanism).values())
+    if nominal is None or ideal is None:
+        return largest
+    return max(abs(nominal - ideal), UNCHANGED * largest)
+
+
+def default_limit(
+    measure: str, mechanism: Mechanism, nominal: float | None, ideal: float | None
+) -> float | None:
+    """Return the limit (SI) of a measure that has none: a tenth above its ``nominal`` value. Of a coordinate,
+    a tenth of what the clearances add to the ``ideal`` one; None where they make it no larger.
+    """
+    if nominal is None:
+        return None
+    if not is_coordinate(measure):
+        return (1.0 + ALLOWANCE) * nominal if nominal > 0.0 else None
+    threshold = UNCHANGED * max(clearances(mechanism).values())
+    return None if ideal is None or nominal - ideal <= threshold else nominal + ALLOWANCE * (nominal - ideal)
+
+
+def missing_limit(measure: str, nominal: float | None, scale: float) -> str:
+    """Return why a measure has no default limit; with an example, the ``nominal`` value and its ``scale``."""
+    if nominal is None or not is_coordinate(measure):
+        return f"the value of {measure} is unknown; give it a limit"
+    unit = unit_of(measure)
+    number, unit = (1e3 * (nominal + scale), "mm") if unit == "m" else (nominal + scale, unit)
+    return (
+        f"the zero of {measure} is arbitrary, and the clearances of the model do not make it larger, so that"
+        f' no limit follows from its value; give the largest value, as in --limit "{number:.6g} {unit}"'
+    )
+
+
+def nearest_fit(mechanism: Mechanism, joint: str) -> str:
+    """Return the fit of grade 7 whose mean clearance is nearest to that of the joint; "" without a size."""
+    contact = mechanism.contacts[joint]
+    size, clearance = contact.nominal_size, clearances(mechanism)[joint]
+    if size is None or not LEAST_SIZE <= size <= LARGEST_SIZE:
+        return ""
+    fits = [of_fit(f"H7/{letter}7", size) for letter in RUNNING]
+    return min(fits, key=lambda fit: abs(0.5 * sum(fit.limits) - clearance)).fit.name
 
 
 def path_of(joint: str) -> str:

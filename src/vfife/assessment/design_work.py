@@ -15,7 +15,7 @@ from ..errors import Fault, ModelError, VfifeError, suggestion
 from ..job.cost import LANES, LONG, Forecast, cores, run_cost
 from ..job.job import Interrupted, Job, PartJob, job_of
 from ..job.progress import span
-from ..measures.catalogue import counts_of, differentiable
+from ..measures.catalogue import counts_of, differentiable, is_coordinate
 from ..model.mechanism import Mechanism
 from ..options import Watch, with_options
 from ..results.derivatives import Effect, Sensitivity
@@ -36,8 +36,7 @@ from ..studies.methods.allocation import (
 )
 from ..studies.methods.derivatives import forecast as sensitivity_forecast
 from ..studies.methods.derivatives import sensitivity
-from ..studies.spec.distributions import of_fit
-from ..studies.spec.iso286 import LARGEST_SIZE, LEAST_SIZE, LETTERS
+from ..studies.spec.iso286 import LARGEST_SIZE, LEAST_SIZE
 from ..studies.spec.plan import CaseSpec
 from ..studies.study_work import Allocation, allocate, tables_of
 from ..tribology.simulate_wear import wear, wear_forecast
@@ -47,37 +46,41 @@ from .answer import (
     SENSITIVE,
     Design,
     clearances,
+    default_limit,
     effects_agree,
+    is_grown,
+    missing_limit,
+    nearest_fit,
     path_of,
     refuse_unfit,
     refuse_unlikely,
     run_turns,
+    scale_of,
 )
 from .sample import (
     CLEARANCE_SPREAD,
     MACHINES,
     NEAR_MACHINES,
+    PARTS,
     MachineSample,
     corner_clearances,
     corner_count,
     growth_effects,
+    ideal_value,
     near_machines,
     run_machines,
     sampled_clearances,
     timed_machine,
+    total_forecast,
     with_growths,
 )
 
 FORCE = "{}.force.max"
-# A tenth above the value with the clearances of the model: the limit that fits keep unless one is given.
-ALLOWANCE = 1.1
 SHARE = 0.95  # of all machines; 59 machines without a failure show it with 95 % confidence
 BATCH = 32  # machines simulated at once: fewer go to choices dearer than the one that is taken
 # Relative cost of a hole or shaft by grade: the reciprocal of its tolerance, which grows by 1.6 with each
 # grade (ISO 286-1). An assumption, not data of a workshop: --cost states one's own.
 RELATIVE_COST = {"IT7": 2.5, "IT8": 1.6, "IT9": 1.0}
-RUNNING = LETTERS[: LETTERS.index("h")]  # letters of shafts that always have clearance
-PARTS = {"sensitivity": "sensitivities", "ranks": "ranks", "fits": "fits", "life": "wear"}
 # Choices of fits that are all tried; of more (four joints with five fits each), joint by joint.
 MOST_CHOICES = 125
 SPREAD = 0.5  # share by which the clearance of a joint without a fit differs among the machines that rank it
@@ -144,6 +147,7 @@ class DesignWork:
     answers: dict[str, Any] = field(default_factory=dict)
     missing: dict[str, str] = field(default_factory=dict)
     nominal: float | None = None
+    ideal: float | None = None
     nominal_range: tuple[float, float] | None = None
     machine_seconds: float | None = None  # on all cores, of a machine
     sample: MachineSample | None = None
@@ -237,7 +241,12 @@ class DesignWork:
     def sensitive(self) -> bool:
         """Whether machines that hardly differ differ in the measure: derivatives mean nothing then."""
         low, high = self.nominal_range or (0.0, 0.0)
-        return bool(self.nominal) and high - low > SENSITIVE * abs(self.nominal or 0.0)
+        return high - low > SENSITIVE * self.scale > 0.0
+
+    @property
+    def scale(self) -> float:
+        """Size (SI) by which changes of the measure are judged."""
+        return scale_of(self.measure, self.mechanism, self.nominal, self.ideal)
 
     def forecast(self) -> dict[str, Forecast]:
         """Return the forecasts of the parts."""
@@ -250,7 +259,9 @@ class DesignWork:
         differentiated = differentiable(self.measure) and not self.sensitive
         if differentiated:
             count = len(self.clearances)
-            answer = sensitivity_forecast(self.prepared, self.mechanism, count, None)
+            answer = machines(0)
+            if not is_grown(self.measure):
+                answer = sensitivity_forecast(self.prepared, self.mechanism, count, None)
             parts["sensitivity"] = with_growths(answer, count, seconds)
         if self.needs_ranks(has_effects=differentiated):
             parts["ranks"] = machines(MACHINES)
@@ -294,7 +305,7 @@ class DesignWork:
             self.answers.get("fits"), self.answers.get("life"), self.missing,
             not any(reason == INTERRUPTED for reason in self.missing.values()) and self.complete_life,
             self.nominal, self.nominal_range, self.turns, self.averaged, self.sample, self.search,
-            self.corners, self.growths,
+            self.corners, self.growths, self.ideal,
         )  # fmt: skip
 
     @property
@@ -369,8 +380,10 @@ class DesignWork:
         refuse_unlikely(self.options["limit"], self.measure, self.nominal)
         if numbers := values[self.measure]:
             self.nominal_range = min(numbers), max(numbers)
-        if self.limit is None and self.nominal is not None and self.nominal > 0.0:
-            self.limit = ALLOWANCE * self.nominal
+        if is_coordinate(self.measure):
+            self.ideal = ideal_value(self.mechanism, self.spec())
+        if self.limit is None:
+            self.limit = default_limit(self.measure, self.mechanism, self.nominal, self.ideal)
 
     def timed_machine(self) -> float:
         """Return the time (s) of a machine on all cores, from a turn of machines as those that rank."""
@@ -378,21 +391,25 @@ class DesignWork:
         force = FORCE.format(next(iter(self.clearances)))
         return self.turns * timed_machine(self.mechanism, limits, force, NEAR_MACHINES)
 
-    def sensitivities(self, job: Job) -> Sensitivity:
-        """Differentiate the measure by all clearances. Raises VfifeError for a measure without
-        derivatives.
+    def sensitivities(self, job: Job) -> Sensitivity | None:
+        """Differentiate the measure by all clearances, and run machines with larger ones; these alone (None)
+        for a coordinate and for a statistic of a channel: see :func:`is_grown`. Raises VfifeError for a
+        measure without effects.
         """
         if not differentiable(self.measure):
             raise VfifeError(f"{self.measure} has no derivatives")
-        if self.sensitive and self.nominal_range is not None and self.nominal:
+        if self.sensitive and self.nominal_range is not None:
             low, high = self.nominal_range
             raise VfifeError(
                 f"the motion is sensitive: machines whose clearances differ by {100.0 * CLEARANCE_SPREAD:g} %"
-                f" differ by {100.0 * (high - low) / abs(self.nominal):.2g} % in {self.measure}"
+                f" differ by {100.0 * (high - low) / self.scale:.2g} %"
+                f"{' of the difference from the ideal one' * is_coordinate(self.measure)} in {self.measure}"
             )
         paths = {path_of(name): gap for name, gap in self.clearances.items()}
-        answer = sensitivity(self.mechanism, [self.measure], list(paths), turns=self.turns, progress=job)
-        if self.measure not in answer.doubtful:
+        answer = None
+        if not is_grown(self.measure):
+            answer = sensitivity(self.mechanism, [self.measure], list(paths), turns=self.turns, progress=job)
+        if answer is None or self.measure not in answer.doubtful:
             machines = PartJob(job, "larger clearances", (0.0, 1.0))
             self.growths = growth_effects(self.mechanism, paths, self.spec(), machines)
         return answer
@@ -400,7 +417,8 @@ class DesignWork:
     def ranks(self, job: Job) -> MachineSample | None:
         """Run machines by which clearances are ranked, unless the effects of all of them are known."""
         answer = self.answers.get("sensitivity")
-        if not self.needs_ranks(answer is not None and effects_agree(answer, self.measure, self.growths)):
+        differentiated = answer is not None or is_grown(self.measure)
+        if not self.needs_ranks(differentiated and effects_agree(answer, self.measure, self.growths)):
             return None
         limits = {name: self.clearance_limits(name) for name in self.clearances}
         job(Progress(0, MACHINES, 0.0, f"{MACHINES} machines with clearances of all fits"))
@@ -436,8 +454,7 @@ class DesignWork:
                 f"no joint has a nominal size of {1e3 * LEAST_SIZE:g} to {1e3 * LARGEST_SIZE:g} mm"
             )
         if self.limit is None:
-            value = "unknown" if self.nominal is None else f"{self.nominal:g} with the model's clearances"
-            raise VfifeError(f"the value of {self.measure} is {value}; give it a limit")
+            raise VfifeError(missing_limit(self.measure, self.nominal, self.scale))
         answer = allocate(self.mechanism, **self.tables(self.limit), progress=job)
         if answer.choice is not None:
             options = zip(answer.task.parameters, answer.choice.options, strict=True)
@@ -459,35 +476,6 @@ class DesignWork:
         """Clearance (m) that ends the simulation of wear."""
         largest = max(surface.clearance for surface in surfaces_of(self.wearing))
         return self.options["clearance"] or LIFE * largest
-
-
-def nearest_fit(mechanism: Mechanism, joint: str) -> str:
-    """Return the fit of grade 7 whose mean clearance is nearest to that of the joint; "" without a size."""
-    contact = mechanism.contacts[joint]
-    size, clearance = contact.nominal_size, clearances(mechanism)[joint]
-    if size is None or not LEAST_SIZE <= size <= LARGEST_SIZE:
-        return ""
-    fits = [of_fit(f"H7/{letter}7", size) for letter in RUNNING]
-    return min(fits, key=lambda fit: abs(0.5 * sum(fit.limits) - clearance)).fit.name
-
-
-def total_forecast(parts: Mapping[str, Forecast], remedy: str, ranking: float = 0.0) -> Forecast:
-    """Return the forecast of all parts, with what makes them shorter; ``ranking``: time (s) of machines that
-    are run only if a derivative is not known.
-    """
-    texts = [f"{PARTS[name]}: {span(forecast.seconds)}{forecast.note}." for name, forecast in parts.items()]
-    texts += list(parts["fits"].remarks[-1:]) if "fits" in parts else []
-    seconds = sum(forecast.seconds for forecast in parts.values())
-    shortest = sum(forecast.ends[0] if forecast.ends else forecast.seconds for forecast in parts.values())
-    longest = sum(forecast.longest for forecast in parts.values()) + ranking
-    ends = tuple(dict.fromkeys((span(shortest), span(longest))))
-    note = f", {' to '.join(ends)} in the cheapest and the dearest case" if len(ends) > 1 else ""
-    return Forecast(
-        "part", len(parts), seconds=seconds, note=note, ends=(shortest, longest),
-        memory=max((forecast.memory for forecast in parts.values()), default=0.0),
-        threads=max((forecast.threads for forecast in parts.values()), default=1),
-        work=" and ".join(PARTS[name] for name in parts), parts=tuple(texts), remedy=remedy,
-    )  # fmt: skip
 
 
 def is_complete(answer: Any) -> bool:

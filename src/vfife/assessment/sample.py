@@ -15,8 +15,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import VfifeError
 from ..job.cost import Forecast, cores, timed
 from ..job.job import Job
+from ..job.progress import span
+from ..measures.catalogue import is_coordinate
 from ..model.mechanism import Mechanism
 from ..results.derivatives import Effect
 from ..studies.engine.cases import Outcome, run_cases
@@ -33,6 +36,7 @@ NEAR_MACHINES, CLEARANCE_SPREAD = 8, 2e-4  # machines that hardly differ, and th
 GROWN_SPREADS, FINER_STEP = (-0.5 * CLEARANCE_SPREAD, 0.5 * CLEARANCE_SPREAD), 0.8
 MOST_GROWTH, SHARE_OF_CLEARANCE = 10e-6, 0.1  # m, and share: the growth of a clearance whose effect is quoted
 MOST_CORNER_JOINTS = 3  # all combinations of limits of more joints are more than eight machines
+PARTS = {"sensitivity": "sensitivities", "ranks": "ranks", "fits": "fits", "life": "wear"}
 Array = NDArray[np.float64]
 
 
@@ -97,6 +101,17 @@ def corner_count(joints: int) -> int:
     return 1 << joints if joints <= MOST_CORNER_JOINTS else 2
 
 
+def ideal_value(mechanism: Mechanism, spec: CaseSpec) -> float | None:
+    """Return the first measure (SI) of ``spec`` of the mechanism without clearance, with rigid bodies; None
+    where it does not move.
+    """
+    try:
+        outcomes = [outcome for _, outcome in run_cases(mechanism.ideal(), [{}], spec)]
+    except VfifeError:
+        return None
+    return outcomes[0].values.get(spec.measures[0])
+
+
 def run_machines(
     mechanism: Mechanism, clearances: Array, paths: Mapping[str, str], spec: CaseSpec, job: Job
 ) -> MachineSample:
@@ -122,8 +137,9 @@ def growth_of(clearance: float) -> float:
 def growth_effects(
     mechanism: Mechanism, clearances: Mapping[str, float], spec: CaseSpec, job: Job
 ) -> dict[str, Effect]:
-    """Return the effect (%) on the first measure of ``spec`` of the growth of each of the ``clearances`` (m)
-    by path, from machines that have it.
+    """Return the effect on the first measure of ``spec`` of the growth of each of the ``clearances`` (m) by
+    path, from machines that have it: in per cent, or of a coordinate, whose zero is arbitrary, as a
+    difference (SI).
 
     Machines with and without a growth are compared in pairs that are alike in everything else: in each pair
     all clearances differ from those of the model by the same share, and two steps are used. The range covers
@@ -153,7 +169,8 @@ def growth_effects(
     result = {}
     for path, values in zip(clearances, grown_values, strict=True):
         with np.errstate(divide="ignore", invalid="ignore"):
-            changes = 100.0 * (values - base) / np.abs(base)
+            scale = 1.0 if is_coordinate(spec.measures[0]) else 0.01 * np.abs(base)
+            changes = (values - base) / scale
         low, high = float(changes.min()), float(changes.max())
         agreement = math.isfinite(high - low) and low * high >= 0.0
         result[path] = Effect(path, "change" if agreement else "unknown", float(changes.mean()), low, high)
@@ -176,6 +193,25 @@ def with_growths(forecast: Forecast, joints: int, machine: float) -> Forecast:
     seconds = (1 + joints) * len(GROWN_SPREADS) * (1.0 + 1.0 / FINER_STEP) * machine
     ends = forecast.ends and (forecast.ends[0] + seconds, forecast.ends[1] + seconds)
     return dataclasses.replace(forecast, seconds=forecast.seconds + seconds, ends=ends)
+
+
+def total_forecast(parts: Mapping[str, Forecast], remedy: str, ranking: float = 0.0) -> Forecast:
+    """Return the forecast of all parts, with what makes them shorter; ``ranking``: time (s) of machines that
+    are run only if a derivative is not known.
+    """
+    texts = [f"{PARTS[name]}: {span(forecast.seconds)}{forecast.note}." for name, forecast in parts.items()]
+    texts += list(parts["fits"].remarks[-1:]) if "fits" in parts else []
+    seconds = sum(forecast.seconds for forecast in parts.values())
+    shortest = sum(forecast.ends[0] if forecast.ends else forecast.seconds for forecast in parts.values())
+    longest = sum(forecast.longest for forecast in parts.values()) + ranking
+    ends = tuple(dict.fromkeys((span(shortest), span(longest))))
+    note = f", {' to '.join(ends)} in the cheapest and the dearest case" if len(ends) > 1 else ""
+    return Forecast(
+        "part", len(parts), seconds=seconds, note=note, ends=(shortest, longest),
+        memory=max((forecast.memory for forecast in parts.values()), default=0.0),
+        threads=max((forecast.threads for forecast in parts.values()), default=1),
+        work=" and ".join(PARTS[name] for name in parts), parts=tuple(texts), remedy=remedy,
+    )  # fmt: skip
 
 
 def timed_machine(

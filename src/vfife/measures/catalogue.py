@@ -222,10 +222,41 @@ UNITS = {
 } | INFLUENCES
 
 
+# Measures whose zero is where the model puts it, and channels of which this holds, with their units.
+COORDINATES = (".position.low", ".position.high", ".stress.place")
+COORDINATE_CHANNELS = {
+    "x": "m", "y": "m", "position": "m", "angle": "rad", "theta": "rad", "contact_angle": "rad",
+    "journal_contact_angle": "rad",
+}  # fmt: skip
+
+
+def is_reduction(measure: str) -> bool:
+    """Return whether a measure is a statistic of a channel, as in ``max(C.force)``."""
+    return measure.endswith(")")
+
+
+def reduced_coordinate(measure: str) -> str:
+    """Return the unit of a statistic of a position or an angle that moves with its zero, as
+    ``max(rocker.angle)``, but not ``range(rocker.angle)``; "" for any other measure.
+    """
+    if not is_reduction(measure) or measure.startswith("range("):
+        return ""
+    return COORDINATE_CHANNELS.get(measure.removesuffix(")").rpartition(".")[2], "")
+
+
+def is_coordinate(measure: str) -> bool:
+    """Return whether the zero of a measure is arbitrary, as of positions and angles: a share of its value
+    means nothing, only a difference.
+    """
+    return measure.endswith(COORDINATES) or bool(reduced_coordinate(measure))
+
+
 def unit_of(measure: str) -> str:
     """Return the unit of a measure by its name: ``C.force.max``, or ``guide.1.penetration.max`` of one of
     several contacts of a joint.
     """
+    if unit := reduced_coordinate(measure):
+        return unit
     ending = measure.partition(".")[2]
     return UNITS.get(ending) or UNITS.get(ending.partition(".")[2], "1")
 

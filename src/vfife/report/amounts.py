@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 from ..numerics.outward import DOWN, NEAREST, UP, exponent, rounded, significant
@@ -154,7 +155,26 @@ class Digits(NamedTuple):
         return max(LEAST_DIGITS, min(count, MOST_DIGITS))
 
 
-def quantity_of_digits(value: Any, unit: str, digits: Digits) -> str:
+def limit_digits(limit: float | None, values: Iterable[float | None], written: bool = True) -> Digits:
+    """Return the digits of ``values`` and of their ``limit``, by which they differ: of the width of all, and
+    of the least distance from the limit. A ``written`` limit keeps all digits that it was given with, up to
+    nine.
+    """
+    numbers = [value for value in values if value is not None and math.isfinite(value)]
+    if limit is None or not math.isfinite(limit):
+        return Digits(max(numbers) - min(numbers) if numbers else 0.0)
+    width = max([limit, *numbers]) - min([limit, *numbers])
+    gaps = [abs(value - limit) for value in numbers if value != limit]
+    spread = max(0.1 * width, min(10.0 * min(gaps), width)) if gaps else 0.0
+    mantissa = f"{limit:.{MOST_DIGITS - 1}e}".partition("e")[0].rstrip("0").lstrip("-")
+    count = len(mantissa.replace(".", ""))
+    if written and limit and count < MOST_DIGITS:
+        last = float(f"1e{exponent(limit) - count + 1}")
+        spread = min(spread, 100.0 * last) if spread else 100.0 * last
+    return Digits(spread)
+
+
+def quantity_of_digits(value: Any, unit: str, digits: Digits, direction: int = NEAREST) -> str:
     """Return a number of a column with its unit as :func:`quantity`, with the digits of the column."""
     if value is None or isinstance(value, str) or not value or not math.isfinite(value):
         return quantity(value, unit)
@@ -163,9 +183,22 @@ def quantity_of_digits(value: Any, unit: str, digits: Digits) -> str:
         usual = 4
         prefixes = (entry for entry in PREFIXES if not (entry[0] > 1.0 and unit in ("s", "m")))
         factor, _, prefix = next((entry for entry in prefixes if abs(value) >= entry[0]), (1.0, 0, ""))
-    shown_digits = f"{value / factor:.{digits.significant(value, usual)}g}"
+    # Without the rounding of the division, whose last digit would move an end that is rounded outwards.
+    scaled = value / factor if direction == NEAREST else float(f"{value / factor:.14g}")
+    shown_digits = significant(scaled, digits.significant(value, usual), direction)
     text = f"{float(shown_digits):.{MOST_DIGITS}g} {prefix}{unit.replace('^2', '²')}"
     return text.removesuffix(" 1")
+
+
+def limit_quantity(value: float | None, unit: str, digits: Digits, direction: int = NEAREST) -> str:
+    """Return a quantity as :func:`quantity`, with more digits where :func:`limit_digits` asks for them."""
+    prefixes = unit in PREFIXED or unit == "m/s"
+    usual = 4 if prefixes else 6 if unit in ("1", "%") else 5
+    if not value or not math.isfinite(value) or digits.significant(value, usual) == usual:
+        return quantity(value, unit, direction)
+    if unit == "m/s":  # with the prefixes of metres
+        return f"{quantity_of_digits(value, 'm', digits, direction)}/s"
+    return quantity_of_digits(value, unit, digits, direction)
 
 
 def quantities(low: float, high: float, unit: str, exact: bool = False) -> str:

@@ -4,32 +4,49 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from shlex import quote
 from typing import TYPE_CHECKING, Any
 
 from ..laws.materials import EXAMPLE_COEFFICIENT, EXAMPLE_LUBRICATION
-from ..measures.catalogue import COUNTS_KEY, LAST, counts_of, differentiable
+from ..measures.catalogue import COUNTS_KEY, LAST, counts_of, differentiable, is_reduction
 from ..measures.wear import SIDES
 from ..model.surfaces import body_of, surface_words
-from .amounts import large_numbers, life_range_words, life_words, percent, prefixed, quantities, turns_words
+from ..numerics.outward import UP
+from .amounts import percent, prefixed, quantities, turns_words
 from .cautions import rebound_cautions
-from .design_words import UNKNOWN, and_words, end, quantity_of, sentence, words
+from .design_words import (
+    MISSING,
+    UNKNOWN,
+    and_words,
+    default_limit_words,
+    difference_words,
+    effect_difference,
+    effect_range,
+    effect_words,
+    end,
+    life_cautions,
+    life_range,
+    life_sentence,
+    quantity_of,
+    reference_words,
+    sentence,
+    words,
+)
 from .digits import NOT_DETERMINED
 from .document import Bullets, Document, Facts, Figure, Paragraph, Part, Section, Table
 from .fits import fit_cautions, fit_sentence, fits_data
 from .overview import settling_options
 from .pages import model_parts
 from .study import no_blows
-from .wear import groove_sentences, open_life_sentence
 
 if TYPE_CHECKING:
     from ..assessment.answer import Design, JointDesign, Life
-    from ..tribology.wear_state import Worn
 
 IMPACT_MEASURES = (".approach_speed.max", ".impacts", ".impact_power.mean")
-MISSING = "not estimated"
 NO_MATTER = (
     1.0  # %; a clearance that changes the measure by no more over its tolerance does not matter for it
 )
+EQUAL = 0.02  # of an effect: clearances whose effects differ by less matter equally
 SCATTERED = 0.01  # of a value: a larger difference between nearly equal machines is stated
 # An example of a table of wear, with the coefficient of a bearing and of a journal.
 TABLE = "wear = {{ bearing = {}, journal = {} }}"
@@ -59,7 +76,7 @@ def request(design: Design) -> Iterator[tuple[str, str]]:
     """Yield what was asked, by name."""
     yield "Measure", f"{design.measure}, {words(design.measure)}"
     share = f"in {100.0 * design.share:g} % of machines"
-    origin = ", a tenth above the value of the model" if design.default_limit else ""
+    origin = f", {default_limit_words(design)}" if design.default_limit else ""
     yield "Limit", f"{quantity_of(design, design.limit)} {share}{origin}"
     averaged = f", means over the last {design.averaged}" if design.averaged > 1 else ""
     if counts_of(design.measure) == LAST:
@@ -109,11 +126,13 @@ def row(design: Design, joint: JointDesign) -> tuple[str, ...]:
         turns = turns_words(life.turns) if life.determined else NOT_DETERMINED
         lasts = turns if math.isfinite(life.turns) else "no wear"
     span = "" if life is None else life_range(life)
-    effect = effect_cells(design, joint)
-    growth = f"+{prefixed(joint.growth, 'm')}" if effect[0] else ""
+    effect, span_of_effect = effect_cells(design, joint)
+    if joint.effect and span_of_effect and (difference := effect_difference(design, joint.effect)):
+        effect = f"{effect}, {difference}"
+    growth = f"+{prefixed(joint.growth, 'm')}" if effect else ""
     return (
-        joint.name, prefixed(joint.clearance, "m"), growth, *effect, *rank_cells(design, joint),
-        joint.fit or fit_reason(design, joint), clearance, lasts, span,
+        joint.name, prefixed(joint.clearance, "m"), growth, effect, span_of_effect,
+        *rank_cells(design, joint), joint.fit or fit_reason(design, joint), clearance, lasts, span,
     )  # fmt: skip
 
 
@@ -126,9 +145,7 @@ def effect_cells(design: Design, joint: JointDesign) -> tuple[str, str]:
         return "", ""
     if effect is None or effect.kind == "unknown":
         return UNKNOWN, ""
-    width = effect.high - effect.low
-    ends = (f"{percent(end, width)}" for end in (effect.low, effect.high))
-    return f"{'+' if effect.value > 0.0 else ''}{percent(effect.value, width)}", " to ".join(ends)
+    return effect_words(design, effect), effect_range(design, effect)
 
 
 def rank_cells(design: Design, joint: JointDesign) -> tuple[str, str]:
@@ -166,18 +183,6 @@ def fit_reason(design: Design, joint: JointDesign) -> str:
     return "not computed"
 
 
-def life_range(life: Life) -> str:
-    """Return the range of a life in turns."""
-    if not math.isfinite(life.turns):
-        return ""
-    if life.span is None:
-        return MISSING
-    if not math.isfinite(life.span[1]):
-        return f"more than {turns_words(life.span[0])}"
-    (low, high), word = large_numbers(*life.span)
-    return f"{low} to {high} {word}".rstrip()
-
-
 def conclusion(design: Design) -> Iterator[str]:
     """Yield sentences: which clearance matters, which fits keep the limit, which joint wears first; over
     which turns knocks are counted.
@@ -208,7 +213,7 @@ def clearance_sentence(design: Design) -> str:
     """
     certain = [joint for joint in design.joints if not unknown(joint)]
     uncertain = [joint.name for joint in design.joints if joint not in certain]
-    subject = f"{words(design.measure)} ({quantity_of(design, design.value)})"
+    subject = f"{words(design.measure)} {reference_words(design)}"
     if not certain:
         return ranking_sentence(design, subject)
     decisive = max(certain, key=lambda joint: abs(joint.effect.value) if joint.effect else 0.0)
@@ -218,6 +223,10 @@ def clearance_sentence(design: Design) -> str:
     value, span = effect_cells(design, decisive)
     growth, name = prefixed(decisive.growth, "m"), decisive.name
     beginning = f"The clearance of {name} matters most: {growth} more"
+    if equals := equal_joints(certain, decisive):
+        beginning = (
+            f"The clearances of {and_words(equals)} matter most, about equally: {growth} more of {name}"
+        )
     if uncertain or opposite:
         beginning = f"{growth} more clearance of {name}"
     ends = [f"the effect of {and_words(uncertain)} is {UNKNOWN}"] if uncertain else []
@@ -226,7 +235,27 @@ def clearance_sentence(design: Design) -> str:
             "which clearance matters most is not known, because over the fits the rank correlation with"
             f" {and_words(opposite)} has the other sign"
         )
-    return f"{'; '.join([f'{beginning} changes {subject} by {value} ({span})', *ends])}."
+    if opposite and design.sample is not None and design.sample.count:
+        ends[-1] += ": over these machines it lies between {} and {}".format(*machine_range(design))
+    change = f"{value} ({span})"
+    if decisive.effect and (difference := effect_difference(design, decisive.effect)):
+        change += f", {difference}"
+    return f"{'; '.join([f'{beginning} changes {subject} by {change}', *ends])}."
+
+
+def equal_joints(joints: list[JointDesign], decisive: JointDesign) -> list[str]:
+    """Return the joints whose effects are as large as that of the ``decisive`` one, which is one of them,
+    within their ranges or :data:`EQUAL`; none where no other is.
+    """
+    if decisive.effect is None:
+        return []
+    smallest_size = (1.0 - EQUAL) * min(abs(decisive.effect.low), abs(decisive.effect.high))
+    names = [
+        joint.name
+        for joint in joints
+        if joint.effect and max(abs(joint.effect.low), abs(joint.effect.high)) >= smallest_size
+    ]
+    return names if len(names) > 1 else []
 
 
 def indifference(design: Design, subject: str) -> str:
@@ -234,15 +263,16 @@ def indifference(design: Design, subject: str) -> str:
     tolerance, and machines within the limits of the fits differ by no more; "" otherwise.
 
     The effect of a growth of the clearance is continued as a line over the width of the tolerance; without a
-    fit it is that of the growth.
+    fit it is that of the growth. A coordinate is compared with its difference from the ideal mechanism.
     """
+    unit = 0.01 * design.scale if design.by_difference else 1.0
     changes = []
     for joint in design.joints:
         width = joint.limits[1] - joint.limits[0] if joint.limits else 0.0
         size = max(abs(joint.effect.low), abs(joint.effect.high)) if joint.effect else math.inf
         changes.append(size * max(1.0, width / joint.growth))
-    values, allowed = design.values_within_limits.tolist(), 0.01 * NO_MATTER * abs(design.nominal or 0.0)
-    if max(changes) > NO_MATTER or (values and max(values) - min(values) > allowed):
+    values, allowed = design.values_within_limits.tolist(), 0.01 * NO_MATTER * design.scale
+    if max(changes) > NO_MATTER * unit or (values and max(values) - min(values) > allowed):
         return ""
     parts = {True: "over the tolerance of its fit", False: "with the larger clearance of the table"}
     kinds = {joint.limits is not None for joint in design.joints}
@@ -250,7 +280,10 @@ def indifference(design: Design, subject: str) -> str:
     beginning = f"None of the clearances matters for {subject}: each"
     if len(changes) == 1:
         beginning = f"The clearance of {design.joints[0].name} does not matter for {subject}: it"
-    return f"{beginning} changes it by at most {percent(math.ceil(100.0 * max(changes)) / 100.0)} {over}."
+    largest = percent(math.ceil(100.0 * max(changes)) / 100.0)
+    if design.by_difference:
+        largest = difference_words(max(changes), design.unit, 0.1 * max(changes), UP)
+    return f"{beginning} changes it by at most {largest} {over}."
 
 
 def ranking_sentence(design: Design, subject: str) -> str:
@@ -291,45 +324,6 @@ def machine_range(design: Design) -> tuple[str, str]:
     return quantity_of(design, low), quantity_of(design, high)
 
 
-def life_sentence(design: Design) -> str:
-    """Return the joint that reaches its end of life first."""
-    if reason := design.missing.get("life"):
-        return f"How long the joints last is {MISSING}: {end(reason)}"
-    lives = [(joint.life.turns, joint.name, joint.life) for joint in design.joints if joint.life is not None]
-    turns, name, life = min(lives)
-    if not math.isfinite(turns):
-        return "No clearance grows by wear over the turns that were simulated."
-    rivals = first_joints(lives)
-    beginning = f"{name} wears out first: its clearance"
-    if len(rivals) > 1:
-        beginning = (
-            f"Which of {and_words(rivals)} wears out first is {NOT_DETERMINED}. The clearance of {name}"
-        )
-    range_text = f", range {life_range(life)} turns" if life.span is not None else ""
-    lasts, remarks = f"{life_words(turns, design.turn)}{range_text}", list[str]()
-    if not life.determined and design.wear is not None:
-        wear_life = design.wear.life(name, life.clearance)
-        lasts = life_range_words(*(life.span or (wear_life.shortest, wear_life.longest)), design.turn)
-        remarks = [open_life_sentence(wear_life, design.wear.spec.harmonics), *groove_sentences(design.wear)]
-    text = f"{beginning} reaches {prefixed(life.clearance, 'm')} after {lasts}, {scatter(design)}."
-    return " ".join([text, *remarks])
-
-
-def first_joints(lives: list[tuple[float, str, Life]]) -> list[str]:
-    """Return the joints whose life may be the shortest: by smoothed grooves, by either end of their range."""
-    firsts = {min(lives)[1]}
-    if spans := [(life.span, name) for _, name, life in lives if life.span is not None]:
-        firsts |= {min((span[end], name) for span, name in spans)[1] for end in (0, 1)}
-    return sorted(firsts)
-
-
-def scatter(design: Design) -> str:
-    """Return what the range of lives covers."""
-    if design.wears_by_pair:
-        return "with a factor of ten for the scatter of wear coefficients"
-    return "if the wear coefficient is exact; ten times the coefficient is a tenth of the life"
-
-
 def interruption(design: Design) -> Iterator[str]:
     """Yield which parts of an interrupted answer are missing; the life may be there in part."""
     if not design.complete:
@@ -360,7 +354,7 @@ def value_cautions(design: Design) -> Iterator[str]:
         yield no_blows(design.measure)
     yield from rebound_cautions(design.mechanism, [design.measure])
     low, high = design.nominal_range or (0.0, 0.0)
-    if design.nominal and high - low > SCATTERED * abs(design.nominal):
+    if design.nominal is not None and high - low > SCATTERED * design.scale:
         yield (
             f"The value with the clearances of the model, {quantity_of(design, design.nominal)}, is the mean"
             f" of machines whose clearances differ by 0.02 %, which have {quantity_of(design, low)} to"
@@ -370,7 +364,8 @@ def value_cautions(design: Design) -> Iterator[str]:
         return  # the conclusion has the turns
     begin, subject = design.turns - design.averaged + 1, sentence(words(design.measure))
     if design.averaged > 1:
-        yield f"{subject} is the mean over turns {begin} to {design.turns} of each machine."
+        verb = "that of" if is_reduction(design.measure) else "the mean over"
+        yield f"{subject} is {verb} turns {begin} to {design.turns} of each machine."
     elif design.turns == 1:
         yield (
             f"{subject} is that of the first turn of each machine, which begins with the start of the run; it"
@@ -402,39 +397,14 @@ def effect_cautions(design: Design) -> Iterator[str]:
         yield f"Effects of small changes are {UNKNOWN}: {end(reason)}"
 
 
-def life_cautions(design: Design, wear: Worn) -> Iterator[str]:
-    """Yield what lives assume, and why one is not estimated."""
-    covered = "and a factor of ten for pairs of materials" if design.wears_by_pair else "not the coefficient"
-    yield (
-        "Lives are inversely proportional to wear coefficients, which are uncertain by decades. The range"
-        f" of a life covers scatter over turns and the time step, {covered}."
-    )
-    if flat := [assessed.name for assessed in design.joints if assessed.name in design.flat_joints]:
-        yield (
-            f"The life of {and_words(flat)} is {MISSING}: wear is simulated of a journal in a round"
-            " bearing, not of a slider in its guide."
-        )
-    if names := [joint.name for joint in design.joints if joint.life and not joint.life.determined]:
-        yield (
-            f"The life of {and_words(names)} is {NOT_DETERMINED}: its range reaches from that of the deepest"
-            " places as they wore to that of wear spread evenly around bearing and journal."
-        )
-    if any(joint.life is not None and is_extrapolated(joint.life, wear) for joint in design.joints):
-        yield (f"Lives beyond {turns_words(float(wear.turns[-1]))} turns are extrapolated at the last rate.")
-
-
-def is_extrapolated(life: Life, wear: Worn) -> bool:
-    """Return whether a life, or an end of its range, lies beyond the turns that were simulated."""
-    return not life.reached or (not life.determined and life.uniform > wear.turns[-1])
-
-
 def next_steps(design: Design, model: str) -> Iterator[str]:
     """Yield commands that go further."""
     if shows_ranks(design):
         options = settling_options(design.turns)
         yield f"vfife run {model} {options}   (does the motion repeat? then: vfife design --turns N)"
-    if differentiable(design.measure) and not design.sensitive:
-        yield f"vfife sensitivity {model} --of {design.measure}   (the effect of all other numbers)"
+    if differentiable(design.measure) and not is_reduction(design.measure) and not design.sensitive:
+        command = f"vfife sensitivity {quote(model)} --of {quote(design.measure)}"
+        yield f"{command}   (the effect of all other numbers)"
     else:
         yield (
             f'vfife study STUDY.toml   (other numbers: model = "{model}", measures = ["{design.measure}"]'
@@ -462,7 +432,7 @@ def wear_table(design: Design) -> str:
 
 
 def data(design: Design) -> dict[str, Any]:
-    """Return the answer as data, in SI units; effects in per cent."""
+    """Return the answer as data, in SI units; effects in per cent, those on coordinates in SI units."""
     joints = {
         joint.name: {
             "clearance": joint.clearance,
@@ -477,7 +447,8 @@ def data(design: Design) -> dict[str, Any]:
     }
     return {
         "model": design.name, "status": "complete" if design.complete else "interrupted",
-        "measure": design.measure, "value": design.value, "limit": design.limit,
+        "measure": design.measure, "value": design.value, "ideal": design.ideal,
+        "effect_unit": design.unit if design.by_difference else "%", "limit": design.limit,
         "default_limit": design.default_limit, "share": design.share, "joints": joints, **fits_data(design),
         "missing": dict(design.missing), "conclusion": list(conclusion(design)),
     }  # fmt: skip

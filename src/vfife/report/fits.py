@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from .design_words import and_words, end, quantity_of, words
+from .design_words import and_words, default_limit_words, end, quantity_of, words
 from .searches import allocation as allocation_document
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ def fit_remedy(design: Design) -> str:
 def fit_cautions(design: Design, allocation: Allocation) -> Iterator[str]:
     """Yield what the choice of fits assumes."""
     if design.default_limit:
-        yield "The limit is a tenth above the value of the model, because none was given (--limit)."
+        yield f"The limit is {default_limit_words(design)}, because none was given (--limit)."
     letters = ", ".join(f"{name} {fit}" for name, fit in design.letters.items())
     yield f"Letters of fits are those nearest to the clearances of the model ({letters})."
     yield f"Relative costs of a hole or a shaft by grade: {design.costs} (--cost states your own)."

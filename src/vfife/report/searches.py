@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .amounts import quantities, quantity
+from .amounts import limit_digits, limit_quantity, quantities, quantity
 from .document import Caution, Document, Paragraph, Part, Table
 from .study import IMPACT_SPEED, NO_IMPACT, measure_words, no_blows, remarks_on_start
 
@@ -85,10 +85,11 @@ def allocation(answer: Allocation) -> Document:
             rows.append(
                 (parameter.name, option.name, f"{option.cost:g}", quantities(low, high, "m", exact=True))
             )
-    unit = answer.study.measures[table.measure]
+    unit, digits = answer.study.measures[table.measure], limit_digits(task.bound.high, [estimate.value])
+    reached, limit = (limit_quantity(value, unit, digits) for value in (estimate.value, task.bound.high))
     quantile = (
-        f"{100.0 * table.share:g} % quantile of {table.measure}: {quantity(estimate.value, unit)}, limit"
-        f" {quantity(task.bound.high, unit)}; {answer.failures} of {answer.machines:,} machines are beyond it"
+        f"{100.0 * table.share:g} % quantile of {table.measure}: {reached}, limit"
+        f" {limit}; {answer.failures} of {answer.machines:,} machines are beyond it"
         f" ({100.0 * table.confidence:g} % confidence)"
     )
     cheaper = (

@@ -16,7 +16,7 @@ from ..modelfile import loads
 from ..numerics.outward import DOWN, NEAREST, UP, significant
 from ..results.case_errors import NOT_ESTIMATED
 from ..store.lock import holder
-from .amounts import Digits, prefixed, quantities, quantity, quantity_of_digits
+from .amounts import Digits, limit_digits, limit_quantity, prefixed, quantities, quantity, quantity_of_digits
 from .case_errors import digits_of, error_table, error_words, errors_data, sensitivity_data, study_cautions
 from .document import Caution, Document, Paragraph, Part, Table, incomplete
 
@@ -319,10 +319,13 @@ def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spr
     """
     machines, rows = spreads[0].machines, list[tuple[str, ...]]()
     for spread in spreads:
+        shown = spread_digits(spread)
 
-        def add(words: str, *values: float, measure: str = "", unit: str = spread.unit) -> None:
+        def add(
+            words: str, *values: float, measure: str = "", unit: str = spread.unit, digits: Digits = shown
+        ) -> None:
             texts = (
-                quantity(value, unit, way) if math.isfinite(value) else "-"
+                limit_quantity(value, unit, digits, way) if math.isfinite(value) else "-"
                 for value, way in zip(values, (NEAREST, DOWN, UP), strict=True)
             )
             rows.append((measure, words, *texts))
@@ -381,6 +384,14 @@ def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spr
             "sensitive": sensitivity_data(study),
         },
     )
+
+
+def spread_digits(spread: Spread) -> Digits:
+    """Return the digits of the numbers of all machines: those by which they differ from a limit."""
+    values = [spread.mean, *(at.value for at in spread.quantiles.values())]
+    ends = [] if spread.bound is None else [spread.bound.low, spread.bound.high]
+    limits = [end for end in ends if math.isfinite(end)]
+    return min((limit_digits(limit, values) for limit in limits), default=limit_digits(None, values))
 
 
 def _spread(spread: Spread) -> dict[str, Any]:

@@ -146,7 +146,7 @@ class Bound:
         """Return the limit in words."""
         suffix = "" if unit == "1" else f" {unit}"
         ends = ((self.low, "at least"), (self.high, "at most"))
-        return " and ".join(f"{word} {end:.6g}{suffix}" for end, word in ends if math.isfinite(end))
+        return " and ".join(f"{word} {end:.9g}{suffix}" for end, word in ends if math.isfinite(end))
 
 
 def read_bounds(raw: Any, units: Mapping[str, str], reader: Reader) -> tuple[Bound, ...]:
