@@ -99,7 +99,8 @@ def test_an_allocation_shows_the_quantile_and_the_limit_as_different() -> None:
     table = SimpleNamespace(measure=name, share=0.95, confidence=0.95)
     task = SimpleNamespace(table=table, bound=Bound(name, high=0.11579), parameters=(), chosen=())
     answer = SimpleNamespace(
-        study=SimpleNamespace(path="a.study", measures={name: "m"}), task=task, fits={}, cost=9.0,
+        study=SimpleNamespace(path="a.study", measures={name: "m"}, request={"wanted": {}}),
+        task=task, fits={}, cost=9.0,
         choice=SimpleNamespace(options=(), cost=9.0), failures=0, machines=59, rejected=(),
         quantile=Estimate(0.1157856, 0.1157, 0.1158),
     )  # fmt: skip
