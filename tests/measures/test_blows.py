@@ -8,6 +8,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+import pytest
 
 import vfife
 from vfife import gallery
@@ -98,6 +99,20 @@ def test_the_answer_names_a_blow_that_makes_the_largest_force_of_a_joint_without
     assert "A blow in closed contact: C" in " ".join(conclusion(summary))
     summary["blows"]["C"]["excess"] = 0.1 * summary["measures"]["C.force.max"]
     assert "Blow" not in as_text(overview(summary), 200)
+
+
+@pytest.mark.parametrize(("share", "named"), [(0.6, True), (0.4, False)])
+def test_a_blow_beside_mild_knocks_is_named_where_it_makes_most_of_the_force(
+    share: float, named: bool
+) -> None:
+    """The joint has a knock of 13 mm/s; its largest force rises by 1 / share of the blow."""
+    summary = pushed(turns=6)
+    summary["knocks"]["C"] |= {"count": 2, "speed": 0.013, "hardest": True}
+    summary["measures"]["C.approach_speed.max"] = 0.013
+    joint = summary["joints"]["C"]
+    summary["blows"]["C"]["excess"] = share * (joint["force.max"] - joint["ideal_force.max"])
+    text = as_text(overview(summary), 200)
+    assert "no knocks" not in text and ("Blow" in text) == named
 
 
 def test_a_step_that_does_not_divide_a_turn_leaves_blows_undetermined() -> None:

@@ -361,7 +361,8 @@ def default_limit(
 def missing_limit(measure: str, nominal: float | None, scale: float) -> str:
     """Return why a measure has no default limit; with an example, the ``nominal`` value and its ``scale``."""
     if nominal is None or not is_coordinate(measure):
-        return f"the value of {measure} is unknown; give it a limit"
+        value = "unknown" if nominal is None else f"{nominal:g} with the clearances of the model"
+        return f"the value of {measure} is {value}; give it a limit"
     unit = unit_of(measure)
     number, unit = (1e3 * (nominal + scale), "mm") if unit == "m" else (nominal + scale, unit)
     return (

@@ -10,9 +10,9 @@ from .digits import CERTAIN, SCATTER, Json, is_about_zero, is_estimated, largest
 from .run_tables import NONE_BEGAN, blow_texts, knock_texts, knocks, of_contacts, own_knocks
 
 STEPS_ONLY = "at other step sizes only"  # a joint knocks, but not in this run
-# Times the rise of a joint's largest force above the ideal one: a blow larger than that is stated by itself,
-# because the table of forces does not show it.
-HIDDEN = 2.0
+# Share of the rise of a joint's largest force above the ideal one: a larger blow makes this force, or is
+# hidden behind it.
+HALF = 0.5
 
 
 def noise(summary: Json) -> Iterator[tuple[str, str]]:
@@ -57,8 +57,8 @@ def _silent_words(summary: Json, names: list[str]) -> str:
 
 
 def blow(summary: Json) -> Iterator[tuple[str, str]]:
-    """Yield the largest blow in closed contact that the answer does not show otherwise: its joint has no
-    knock in the turns of the measures, or its largest force is another one.
+    """Yield the largest blow in closed contact that is not small beside the knocks of its joint: there are
+    none in the turns of the measures, or they raise the force by less than twice as much.
     """
     if (summary["turns"] or {}).get("peaks_only") and any(
         knock_texts(summary, joint)[0] in ("none", NONE_BEGAN) for joint in summary["joints"]
@@ -69,7 +69,7 @@ def blow(summary: Json) -> Iterator[tuple[str, str]]:
         joint = summary["joints"][name]
         rise = joint["force.max"] - (joint["ideal_force.max"] or 0.0)
         quiet = knock_texts(summary, name)[0] in ("none", NONE_BEGAN)
-        if quiet or summary["blows"][name]["excess"] > HIDDEN * rise:
+        if quiet or summary["blows"][name]["excess"] > HALF * rise:
             yield "Blow", f"{text} (no knock; {NOT_ESTIMATED})"
             return
 
