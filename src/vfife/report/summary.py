@@ -21,7 +21,7 @@ from ..measures.values import Measured, lips
 from ..measures.wear import SIDES
 from ..measures.zero_limits import about_zero
 from ..model.bodies import Link
-from ..model.joints import ClearanceSlider, Contact
+from ..model.joints import Contact
 from ..model.surfaces import body_of, law_facts, surface_facts, surfaces
 from ..model.validation.plausibility import suspect_surfaces
 from ..model.wear import deepest
@@ -309,7 +309,7 @@ def _surfaces(joint: Contact) -> Json:
     """Return whether the surfaces are those of a guide, and the greatest depth (m) of those that are worn."""
     depths = {side: deepest(getattr(joint.wear, f"{side}_profile", ())) for side in SIDES}
     depths = {side: depth for side, depth in depths.items() if depth}
-    guide: Json = {"guide": True} if isinstance(joint, ClearanceSlider) else {}
+    guide: Json = {"guide": True} if joint.is_guide else {}
     return guide | ({"worn": depths} if depths else {})
 
 

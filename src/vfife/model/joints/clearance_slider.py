@@ -32,6 +32,7 @@ class ClearanceSlider(Contact):
     sample: ClassVar[dict[str, Any]] = {"clearance": 1e-3, "length": 0.1, "height": 0.05}
     sizes = ("clearance", "length", "height", "corner_radius")
     extent = ("height", "the block's height")
+    is_guide = True
 
     clearance: float = quantity("m", "gap on each side of the centred block", above=0.0)
     length: float = quantity("m", "length of the block, along the guide", above=0.0)

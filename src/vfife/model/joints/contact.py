@@ -64,6 +64,7 @@ class Contact(Joint):
     # Field with the size (m) that no contact of a sound run penetrates, and its description.
     extent: ClassVar[tuple[str, str]] = ("", "")
 
+    is_guide: ClassVar[bool] = False  # whether its clearance is the gap on each side, not a radial one
     keeps_profile: ClassVar[bool] = False  # whether its surfaces may have a worn profile
 
     def conflicts(self) -> Iterator[Fault]:

@@ -110,6 +110,7 @@ class ClearanceCurvedSlot(Slot, Contact):
     sample: ClassVar[dict[str, Any]] = {"clearance": 1e-3, "journal_radius": 0.01, "radius": 0.3}
     sizes = ("clearance", "journal_radius", "radius", "fillet")
     extent = ("journal_radius", "the pin's radius")
+    is_guide = True
 
     clearance: float = quantity("m", "gap on each side of the centred pin", above=0.0)
     journal_radius: float = quantity("m", "radius of the pin", above=0.0)
