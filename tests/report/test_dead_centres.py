@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Callable
 from functools import cache
 from typing import Any
 
+import numpy as np
 import pytest
 
 import vfife
 from vfife import gallery
+from vfife.measures.output_intervals import missed_end
 from vfife.modelfile import loads
 from vfife.report import dead_centres
 from vfife.report.overview import overview
@@ -142,3 +145,34 @@ def test_an_error_does_not_name_steps_whose_changes_are_unknown() -> None:
     summary["not_estimated"] = []
     (text,) = (text for _, text in dead_centres.lines(summary) if one["measure"] in text)
     assert "over turns or steps, outputs miss" in text and "not estimated" not in text
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.13, 0.5, 0.77])
+@pytest.mark.parametrize(
+    "curve", [lambda x: -x * x, lambda x: -np.abs(x), lambda x: -np.maximum(x, -2.0 * x)]
+)
+def test_outputs_miss_an_end_by_no_more_than_is_said(curve: Callable[[Any], Any], phase: float) -> None:
+    """A parabola, and slopes that jump; the true end is 0."""
+    values = curve(np.arange(-6.0, 7.0) + phase)
+    for sign in (1.0, -1.0):
+        bound = missed_end(sign * values, slice(0, len(values)), sign)
+        assert -values.max() <= bound <= 2.0 * np.abs(np.diff(values)).max()
+
+
+def test_impacts_elsewhere_do_not_blur_the_ends_of_a_stroke() -> None:
+    """The largest acceleration is that of an impact; around the ends the stroke is smooth."""
+    fine = vfife.simulate(loads(PRESS), companions=0, outputs=7200).summary
+    coarse = vfife.simulate(loads(PRESS), companions=0).summary
+    for end in ("bottom", "top"):
+        shown, truth = entry(coarse, end), entry(fine, end)
+        assert shown["missed"] < 20e-6
+        assert abs(shown["position"] - truth["position"]) <= shown["missed"]
+
+
+def test_a_difference_smaller_than_rounding_of_the_turns_is_not_shown() -> None:
+    summary = copy.deepcopy(press().summary)
+    one = entry(summary, "bottom")
+    spread = {"low": one["position"], "high": one["position"] + 1e-15, "lowest": 0.0, "highest": 0.0}
+    summary["ranges"] = summary["ranges"] | {one["measure"]: spread}
+    (text,) = (text for _, text in dead_centres.lines(summary) if one["measure"] in text)
+    assert "e-1" not in text and "(outputs miss up to" in text

@@ -88,6 +88,18 @@ def sampled_curves(record: Record) -> Iterator[tuple[str, Array]]:
             yield f"{name}.deflection.max", np.abs(largest_deflection(record, name))
 
 
+def missed_end(curve: Array, part: slice, sign: float) -> float:
+    """Return how far the largest value of ``sign`` times a curve in a ``part`` of its outputs may lie beyond
+    that output.
+
+    With second differences D of the outputs beside it, a parabola rises by D/8 at most, and a curve whose
+    slope jumps between two outputs by D/2. The latter is the bound.
+    """
+    k = part.start + int(np.argmax(sign * curve[part]))
+    bends = np.abs(np.diff(curve[max(k - 2, 0) : k + 3], 2))
+    return 0.5 * float(bends.max(initial=0.0))
+
+
 def missed(curve: Array) -> float:
     """Return how far a curve may leave the chords between its outputs; infinite if they do not resolve it."""
     if not len(curve) or not np.isfinite(curve).all():

@@ -1,8 +1,8 @@
 """Dead centres: the ends of the stroke of bodies on straight guides, against those of the ideal mechanism.
 
-Positions are those at the outputs. Around its end a stroke is a parabola, so the outputs miss the end by up
-to a h^2/8, with the largest acceleration a and the time h between outputs. The outputs of the ideal mechanism
-lie at the same times and miss its end by about as much: the difference of both is known better than either.
+Positions are those at the outputs, which miss the end of a stroke by up to half of the second difference
+beside it. The outputs of the ideal mechanism lie at the same times and miss its end by about as much: the
+difference of both is known better than either.
 """
 
 from __future__ import annotations
@@ -11,6 +11,9 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from ..kinematics.drives import guide_of
+from ..measures.motion import slider_motion
+from ..measures.output_intervals import missed_end
+from ..measures.turn_peaks import windows
 from ..measures.values import NOT_ESTIMATED
 from ..numerics.outward import UP, exponent
 from .amounts import fixed_point, prefixed
@@ -35,7 +38,7 @@ def dead_centres(result: RunData, measures: Json, ideal: Json) -> list[dict[str,
     """
     record = result.record
     mechanism, turn, time = record.assembly.mechanism, record.assembly.choice.turn, float(result.time[-1])
-    spacing = time / max(len(record.steps) - 1, 1)
+    parts = list(windows(record, result.motion))
     turns = turn is not None and time >= turn * (1.0 - 1e-9)
     entries = []
     for joint in mechanism.joints:
@@ -43,7 +46,7 @@ def dead_centres(result: RunData, measures: Json, ideal: Json) -> list[dict[str,
         low, high = (measures.get(f"{joint}.position.{end}") for end in ("low", "high"))
         if slider is None or slider[0].sides[0][0] != "ground" or low is None or high - low < AT_REST:
             continue
-        body = slider[0].sides[1][0]
+        body, travel = slider[0].sides[1][0], slider_motion(record, joint).position
         for end, sign, name in zip(
             ("low", "high"), (-1.0, 1.0), _names(slider[1].unit(), turns), strict=True
         ):
@@ -55,7 +58,7 @@ def dead_centres(result: RunData, measures: Json, ideal: Json) -> list[dict[str,
                     "position": float(position),
                     "ideal": None if reference is None else float(reference),
                     "short": None if reference is None else sign * float(reference - position),
-                    "missed": 0.125 * measures[f"{joint}.acceleration.max"] * spacing * spacing,
+                    "missed": max(missed_end(travel, part, sign) for part in parts),
                 }
             )  # fmt: skip
     return entries
@@ -152,6 +155,6 @@ def _error(summary: Json, entry: Json) -> str:
     width = uncertainty(summary, entry["measure"])
     estimated = is_estimated(summary, entry["measure"])
     source = "over turns or steps" if estimated else "over turns"
-    texts = [f"± {prefixed(0.5 * width, 'm', width)} {source}"] if width > 0.0 else []
+    texts = [f"± {prefixed(0.5 * width, 'm', width)} {source}"] if width > AT_REST else []
     texts += [f"outputs miss up to {prefixed(entry['missed'], 'm', entry['missed'], UP)}"]
     return ", ".join([*texts, *([] if estimated else [f"change with the step {NOT_ESTIMATED}"])])
