@@ -124,3 +124,23 @@ def test_motions_are_told_with_their_evidence():
     assert not any("nan" in verdict(logistic(3.9, count)[0]).evidence for count in range(1, 12))
     turning = np.cos(2.0 * math.pi * 0.5 * (math.sqrt(5.0) - 1.0) * np.arange(400))
     assert verdict(turning, exponent(np.zeros(400))).kind == "quasi-periodic"
+
+
+@pytest.mark.parametrize(
+    ("share", "growth", "kind"),
+    [
+        (0.002, -0.02, "period 1"),
+        (0.002, 0.0, "period 1"),
+        (0.02, -0.02, "period 2"),
+        (0.002, 0.3, "not decided"),
+    ],
+)
+def test_a_longer_period_of_a_small_difference_is_not_told_from_the_step(
+    share: float, growth: float, kind: str
+) -> None:
+    """Points that repeat exactly after two turns, and settled in the first half of the turns."""
+    decay = np.exp(-0.1 * np.arange(200.0))
+    points = 3.0 + (share + decay) * np.where(np.arange(200) % 2, 0.5, -0.5)
+    said = verdict(points, exponent(np.full(200, growth)), ranges=lambda: np.array([1.0]))
+    assert said.kind == kind
+    assert ("repeat after 2" in said.evidence) == (kind == "period 1")

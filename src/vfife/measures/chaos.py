@@ -278,7 +278,8 @@ class Verdict:
     with the step; NaN otherwise. ``exponent``: largest Lyapunov exponent (1/turn); ``zero_one``: 0-1 test, of
     at least 100 points; ``rotation`` about the mean. None was not computed. ``reason``: why nothing is
     decided, where it is not that points repeat although a difference grows. ``longest``: the largest shift
-    (points) whose points were compared.
+    (points) whose points were compared. ``repeats``: turns after which points repeat that differ by so little
+    between these turns that the step may make the difference; 0 for others.
     """
 
     kind: str
@@ -290,6 +291,7 @@ class Verdict:
     scatter: float = math.nan
     reason: str = ""
     longest: int = LONGEST
+    repeats: int = 0
 
     def __str__(self) -> str:
         return f"{self.kind}: {self.evidence}"
@@ -301,8 +303,8 @@ class Verdict:
         turns = "a turn" if self.period == 1 else f"{self.period} turns"
         texts = [
             (
-                f"points {turns} apart lie within {_percent(self.scatter)} of the motion's range, and"
-                " scatter with the step, because a small difference decays"
+                f"points {turns} apart lie within {_percent(self.scatter)} of the motion's range,"
+                f" {self._doubt}"
                 if self.scatter >= 0.0
                 else f"points {turns} apart lie {within}"
                 if self.period
@@ -324,6 +326,16 @@ class Verdict:
         if self.rotation is not None and self.rotation.closed and not self.reason:
             texts.append(f"one closed curve, gone round {self.rotation.number:.4f} times a turn")
         return ", ".join(texts)
+
+    @property
+    def _doubt(self) -> str:
+        """Why points that scatter are taken for those of a shorter period."""
+        if not self.repeats:
+            return "and scatter with the step, because a small difference decays"
+        return (
+            f"and repeat after {self.repeats}: so small a difference may be one of the step, which places"
+            " onsets differently in these turns; compare half the step"
+        )
 
     @property
     def _shifts(self) -> str:
@@ -358,6 +370,7 @@ def rotation(points: Array) -> Rotation | None:
 
 
 SCATTER = 0.01  # largest scatter of points due to the step, as a share of the motion's range
+TAIL = 3 * LONGEST  # latest points: of those before, the motion may still settle
 SETTLED = 3.0  # largest ratio of the scatter of the first half of the points to that of the second
 
 
@@ -389,7 +402,9 @@ def verdict(
     ``growth`` if known.
 
     ``ranges`` computes the range of each coordinate in the whole motion, shape (coordinates,). If a small
-    difference decays, points that lie within a hundredth of it are periodic, and scatter with the step.
+    difference decays, points that lie within a hundredth of it are periodic, and scatter with the step. So do
+    points that repeat after several turns, unless a small difference grows: a longer period with so small a
+    difference is not told from the effect of the step.
 
     Points that repeat within ``tolerance`` of their range, three times, have a period, unless a small
     difference grows more than e-fold in each half of the turns: then nothing is decided. Points that
@@ -413,11 +428,13 @@ def verdict(
     finite = None if growth is None or math.isnan(growth.value) else growth
     margin = 0.0 if growth is None else growth.margin
     grows, decays = growth is not None and growth.grows, finite is not None and finite.decays
-    if decays and ranges is not None and repeats != 1:
-        # Steps themselves may repeat after several turns: points of one motion, a hair's breadth apart.
-        scattered = scattered_period(points, ranges(), SCATTER if repeats is None else tolerance)
+    if ranges is not None and repeats != 1 and (decays if repeats is None else not grows):
+        # Steps themselves may repeat after several turns, each with another place of an onset in its step:
+        # the points of one motion then repeat exactly, a hair's breadth apart.
+        scattered = scattered_period(points if repeats is None else points[-TAIL:], ranges())
         if scattered is not None and (repeats is None or scattered[0] < repeats):
-            return Verdict(f"period {scattered[0]}", scattered[0], distance, growth, scatter=scattered[1])
+            kind = f"period {scattered[0]}"
+            return Verdict(kind, scattered[0], distance, growth, scatter=scattered[1], repeats=repeats or 0)
     if repeats is not None:
         if grows:
             return Verdict(UNDECIDED, None, distance, growth)
