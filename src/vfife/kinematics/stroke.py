@@ -131,6 +131,6 @@ def _jumps(name: str, load: Load, low: float, high: float) -> Iterator[str]:
     if jumps:
         yield (
             f"The load {name} jumps where {load.slider} reverses: {' and '.join(jumps)}. The slider moves"
-            f" from {1e3 * low:.4g} to {1e3 * high:.4g} mm of the table, where both strokes"
-            " have the same load: adapt travels and zero_travel to the stroke."
+            f" from {1e3 * low:.4g} to {1e3 * high:.4g} mm of the table. At these two places both strokes"
+            " should have the same load: adapt travels and zero_travel to the stroke."
         )
