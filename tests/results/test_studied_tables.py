@@ -9,7 +9,8 @@ import pytest
 
 from vfife.errors import VfifeError
 from vfife.measures.catalogue import unit_of
-from vfife.results.study import Study, in_order
+from vfife.results.parameters import in_order
+from vfife.results.study import Study
 from vfife.store.studyfile import StudyCase
 
 GRID = [(a, b) for a in (3.0, 1.0) for b in ("soft", "hard")]

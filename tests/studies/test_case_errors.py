@@ -363,6 +363,8 @@ def test_a_sensitive_sample_is_repeated_with_further_steps(tmp_path) -> None:
     assert second.repeated == [] and again.errors == found.errors
     shown = " ".join(invoke("study", "show", str(tmp_path / "a.study")).split())
     assert "3 of 3 sampled cases depend on the step" in shown and "6 steps; 3 sensitive" in shown
+    number, names = next(iter(found.sensitive_measures.items()))
+    assert len(found.sensitive_measures) == 3 and f"(such as case {number} in {names[0]})" in shown
     told = json.loads(invoke("study", "show", str(tmp_path / "a.study"), "--json"))
     assert told["sensitive"] == {"cases": 3, "sample": 3}
     assert told["errors"]["C.force.max"]["sensitive"] == 3

@@ -304,7 +304,7 @@ class Verdict:
         texts = [
             (
                 f"points {turns} apart lie within {_percent(self.scatter)} of the motion's range,"
-                f" {self._doubt}"
+                f" {self._cause}"
                 if self.scatter >= 0.0
                 else f"points {turns} apart lie {within}"
                 if self.period
@@ -328,7 +328,7 @@ class Verdict:
         return ", ".join(texts)
 
     @property
-    def _doubt(self) -> str:
+    def _cause(self) -> str:
         """Why points that scatter are taken for those of a shorter period."""
         if not self.repeats:
             return "and scatter with the step, because a small difference decays"

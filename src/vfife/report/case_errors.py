@@ -58,13 +58,16 @@ def sensitivity_words(study: Study) -> str:
     sensitive, count = study.sensitive
     if not sensitive:
         return ""
+    number, names = next(iter(study.sensitive_measures.items()))
+    example = f"case {number} in {names[0]}"
     remedy = "means over more turns (last = N) scatter less"
     if study.request["wanted"].get("duration"):
         remedy = "a shorter duration, or a smaller step, may make them agree"
     return (
         f"Not periodic, or sensitive: {sensitive} of {count} sampled cases depend on the step by more than"
-        f" {100.0 * SENSITIVE:g} %. Their motion need not repeat, and their values scatter: quote each with"
-        f" the largest numerical error, never alone; {remedy}."
+        f" {100.0 * SENSITIVE:g} % ({'' if sensitive == 1 else 'such as '}{example}). Their motion need not"
+        " repeat, and their values scatter: quote each with the largest numerical error, never alone;"
+        f" {remedy}."
     )
 
 

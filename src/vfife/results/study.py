@@ -23,7 +23,7 @@ from ..units import unit_written
 from .case_errors import NOT_ESTIMATED, ErrorEstimate, SampleErrors, repeated_cases
 from .export import STUDY_FORMATS, TableColumn, data_frame, export, table_rows
 from .output_spacing import depends_on_outputs
-from .parameters import Varied
+from .parameters import Varied, in_list, in_order
 
 if TYPE_CHECKING:
     import pandas
@@ -216,6 +216,12 @@ class Study(DataTable):
     def sensitive(self) -> tuple[int, int]:
         """Number of cases of the repeated sample whose motion depends on the step, and of the sample."""
         return self._sample_errors.sensitive
+
+    @property
+    def sensitive_measures(self) -> dict[int, tuple[str, ...]]:
+        """Measures that depend on the step, by number of the sensitive case of the repeated sample."""
+        sample = self._sample_errors.sample
+        return {case.number: case.changed_measures for case in sample if case.sensitive}
 
     def error_bars(self, measure: str) -> NDArray[np.float64]:
         """Return the error that a figure shows at each value, along the axes of the study.
@@ -428,7 +434,7 @@ class Study(DataTable):
         columns = self.table_columns()
         for k, column in enumerate(columns):
             if parameter := written.get(column.name):
-                scaled = [value and _in_unit(value, parameter.written_factor) for value in column.values]
+                scaled = [value and parameter.in_written_unit(value) for value in column.values]
                 columns[k] = replace(column, values=scaled, unit=parameter.written)
         return table_rows(columns)
 
@@ -482,22 +488,3 @@ def load_study(path: str | Path) -> Study:
     Raises RunFileError for any other file.
     """
     return Study.open(path)
-
-
-def _in_unit(value: float, factor: float) -> float:
-    """Return a number in SI units in a unit of ``factor``: the short decimal that gives the same number back,
-    if there is one.
-    """
-    short = float(f"{value / factor:.15g}")
-    return short if short * factor == value else value / factor
-
-
-def in_list(values: Any) -> list[Any]:
-    """Return values as a list, a single one as a list of one."""
-    return list(values) if isinstance(values, list | tuple) else [values]
-
-
-def in_order(values: Any) -> list[Any]:
-    """Return the distinct values: numbers sorted, words in order of appearance."""
-    unique = list(dict.fromkeys(values))
-    return unique if any(isinstance(value, str) for value in unique) else sorted(unique)
