@@ -65,7 +65,7 @@ class Life(NamedTuple):
     determined: bool = True
 
     @property
-    def known_span(self) -> tuple[float, float] | None:
+    def bounds(self) -> tuple[float, float] | None:
         """The range of the life: its ``span``, or without one, for a life that is not ``determined``, what
         the model permits, without the errors of time step and scatter; None if nothing is known.
         """
@@ -190,13 +190,13 @@ class Design(NotebookDocument):
         """Clearances (m) by joint of the machine with the largest of the :attr:`values_within_limits`; empty
         without any.
         """
-        found = [
+        pairs = [
             (float(value), dict(zip(machines.names, map(float, row), strict=True)))
             for machines in self._within_limits
             for value, row in zip(machines.values, machines.clearances, strict=True)
             if math.isfinite(value)
         ]
-        return max(found, key=lambda pair: pair[0])[1] if found else {}
+        return max(pairs, key=lambda pair: pair[0])[1] if pairs else {}
 
     @property
     def _within_limits(self) -> list[MachineSample]:

@@ -37,6 +37,7 @@ MEASURES = {  # endings of names of measures, and their words
     "penetration.max": "the largest penetration in {}", "contact_pressure.max": "the largest pressure in {}",
     "angular_acceleration.max": "the largest angular acceleration of {}",
     "friction_power.mean": "the friction power of {}", "impact_power.mean": "the power of knocks in {}",
+    "torque.rms": "the rms torque of {}", "energy_fluctuation": "the energy fluctuation of {}",
     "power.mean": "the mean power of {}", "impacts": "the number of impacts in {}",
 }  # fmt: skip
 
@@ -134,7 +135,7 @@ def life_range(life: Life) -> str:
     """Return the range of a life in turns."""
     if not math.isfinite(life.turns):
         return ""
-    if (span := life.known_span) is None:
+    if (span := life.bounds) is None:
         return MISSING
     if not math.isfinite(span[1]):
         return f"more than {turns_words(span[0])}"
@@ -160,7 +161,7 @@ def life_sentence(design: Design) -> str:
     lasts, remarks = f"{life_words(turns, design.turn)}{range_text}", list[str]()
     if not life.determined and design.wear is not None:
         wear_life = design.wear.life(name, life.clearance)
-        lasts = life_range_words(*(life.known_span or (wear_life.shortest, wear_life.longest)), design.turn)
+        lasts = life_range_words(*(life.bounds or (wear_life.shortest, wear_life.longest)), design.turn)
         remarks = [open_life_sentence(wear_life, design.wear.spec.harmonics), *groove_sentences(design.wear)]
     text = f"{beginning} reaches {prefixed(life.clearance, 'm')} after {lasts}, {scatter(design)}."
     return " ".join([text, *remarks])
@@ -169,7 +170,7 @@ def life_sentence(design: Design) -> str:
 def first_joints(lives: list[tuple[float, str, Life]]) -> list[str]:
     """Return the joints whose life may be the shortest: by smoothed grooves, by either end of their range."""
     firsts = {min(lives)[1]}
-    if spans := [(span, name) for _, name, life in lives if (span := life.known_span) is not None]:
+    if spans := [(span, name) for _, name, life in lives if (span := life.bounds) is not None]:
         firsts |= {min((span[end], name) for span, name in spans)[1] for end in (0, 1)}
     return sorted(firsts)
 
