@@ -403,7 +403,8 @@ def next_steps(design: Design, model: str) -> Iterator[str]:
         changes = " ".join(
             f"--set {quote(f'joint.{name}.clearance={1e6 * size:.6g} um')}" for name, size in largest.items()
         )
-        yield f"vfife run {quote(model)} {changes}   (cautions of the machine with the largest value)"
+        command = f"vfife run {quote(model)} --turns {design.turns} {changes}"
+        yield f"{command}   (cautions of the machine with the largest value)"
     if shows_ranks(design):
         options = settling_options(design.turns)
         yield f"vfife run {model} {options}   (does the motion repeat? then: vfife design --turns N)"
