@@ -18,6 +18,7 @@ from vfife.job.amounts import span
 from vfife.job.cost import Forecast
 from vfife.job.job import Interrupted, Job, PartJob
 from vfife.modelfile import loads
+from vfife.report.amounts import prefixed
 from vfife.report.design import document, life_range, life_sentence, row, turns_words
 from vfife.solvers.status import Progress
 from vfife.studies import allocate
@@ -112,6 +113,19 @@ def test_the_answer_says_how_machines_are_distributed_and_what_happens_at_the_li
     corners = dataclasses.replace(found.corners, values=found.corners.values * [1.0, 2.0])
     text = document(dataclasses.replace(alone, corners=corners)).data["conclusion"][1]
     assert "1 of these 2 machines exceeds the limit" in text
+    # The machine with the largest value is named, and a run with its clearances has its value.
+    largest = max(forces, key=lambda k: forces[k])
+    assert alone.clearances_of_largest == {"pin": pytest.approx(found.joints[0].limits[largest])}
+    every = [*found.sample.values[found.sample.within({"pin": found.joints[0].limits})], *forces.values()]
+    size = found.clearances_of_largest["pin"]
+    spot = [{"joint.pin.clearance": size}]
+    ((_, outcome),) = run_cases(loose_pin(), spot, spec)
+    assert outcome.values[found.measure] == pytest.approx(max(every), rel=1e-9)
+    assert f"It is largest with {prefixed(size, 'm')} in pin: vfife run with these clearances has" in whole
+    page = document(found, "my pump.toml")
+    command = f"vfife run 'my pump.toml' --turns 1 --set 'joint.pin.clearance={1e6 * size:.6g} um'"
+    assert any(text.startswith(command) for text in page.parts[0].parts[-1].parts[0].texts)
+    assert page.data["within_limits"]["largest_clearances"] == found.clearances_of_largest
 
 
 @pytest.mark.slow("the same answer")
@@ -210,7 +224,17 @@ def test_a_wear_that_was_interrupted_has_no_range(monkeypatch) -> None:
     stub(monkeypatch, "wear", part)
     with pytest.raises(Interrupted) as caught:
         vfife.design(loose_pin(), **BRIEF, **WEAR)
-    assert caught.value.result.joints[0].life.span is None
+    found = caught.value.result
+    (joint,) = found.joints
+    assert joint.life.span is None and not joint.life.determined
+    # The table has the range of the conclusion, which is what the model permits.
+    life = part.life("pin", joint.life.clearance)
+    shown = life_range(dataclasses.replace(found, wear=answer().wear).joints[0].life._replace(
+        span=(life.shortest, life.longest)
+    ))  # fmt: skip
+    assert row(found, joint)[-1] == shown and f"after {shown} turns" in life_sentence(found)
+    bullets = " ".join(document(found).parts[0].parts[-2].parts[0].texts)
+    assert "The life of pin lacks scatter over turns and the error of the time step" in bullets
 
 
 @pytest.mark.slow("the answer of a part")

@@ -1,5 +1,6 @@
 """``vfife wear``: a figure, a table, the worn model, a file that goes on and is shown; sentences."""
 
+import dataclasses
 import json
 import re
 from pathlib import Path
@@ -8,6 +9,7 @@ import pytest
 
 import vfife
 from vfife.laws.materials import PAIRS
+from vfife.report.wear import document as wear_document
 from vfife.store.lock import Lock
 
 PIN = Path(__file__).resolve().parents[2] / "examples" / "slider_crank_loose_pin.toml"
@@ -132,6 +134,12 @@ def test_a_limit_that_is_not_reached_is_told_with_when_it_would_be(command, tmp_
     )
     assert earlier / 1.1 < low <= earlier and even <= high < 1.1 * even
     assert not found.life("pin", 0.8e-3).determined
+    # A limit that the deepest places reach in the turns that were simulated is no bound of the life.
+    between = 0.5 * float(deepest[-1] + found.clearance[-1, 0])
+    spec = dataclasses.replace(found.spec, clearance=between)
+    text = str(wear_document(dataclasses.replace(found, spec=spec)))
+    assert "Life: not determined; with smoothed grooves no limit was reached in 2,000 turns; at the" in text
+    assert "more than 2,000 turns" not in text
     assert "less where a limit is reached" in done.stderr
     assert done.stderr.index("forecast: ") < done.stderr.index("2,000 of 2,000 turns")
 

@@ -10,13 +10,16 @@ import pytest
 
 import mechanisms
 from support import CRANK_SPEED, four_bar, go, with_settings
+from vfife import Mechanism, simulate
 from vfife.gallery import slider_crank
 from vfife.kinematics.forces import actions
 from vfife.measures import last_turn
 from vfife.measures.catalogue import measures
 from vfife.measures.forces import ground_load
 from vfife.measures.motion import velocities
-from vfife.model.drivers import Torque
+from vfife.model.drivers import Ramp, Torque
+from vfife.report import run
+from vfife.report.summary import run_summary
 
 
 def outside_and_inertia(record):
@@ -162,6 +165,63 @@ def test_a_crank_without_losses_does_the_work_of_the_brake() -> None:
     assert found["mechanism.efficiency"] == pytest.approx(1.0, abs=1e-9)
     torque = record.block("driven_torque")[-720:, 0]
     assert found["crank.torque.ripple"] == pytest.approx((torque.max() - torque.min()) / 600.0, rel=1e-4)
+
+
+def weighted(brake: float) -> Mechanism:
+    """A crank alone, 2 kg at 50 mm from its pivot, that works against its weight and a constant torque."""
+    m = Mechanism("crank", gravity=(0.0, -9.81))
+    m.point("A", 0.0, 0.0)
+    m.link("crank", length=0.1, mass=2.0)
+    m.revolute("A", "ground.A", "crank.start")
+    m.drive("crank", speed=20.0)
+    m.drivers["brake"] = Torque(body="crank", value=-brake)
+    return m
+
+
+@pytest.mark.parametrize("outputs", [720, 36, 17])
+@pytest.mark.parametrize("turns", [1.0, 3.0])
+def test_a_torque_with_one_harmonic_has_its_rms_and_the_energy_that_a_flywheel_takes_up(
+    outputs: int, turns: float
+) -> None:
+    """The torque is T0 + T1 cos(angle): rms^2 = T0^2 + T1^2/2, and its integral less the mean has both ends
+    T1.
+    """
+    mean, amplitude = 0.7, 2.0 * 9.81 * 0.05
+    result = simulate(weighted(mean), turns=turns, outputs=outputs)
+    rms, energy = (result.measures[f"crank.{name}"] for name in ("torque.rms", "energy_fluctuation"))
+    exact = math.sqrt(mean**2 + 0.5 * amplitude**2), 2.0 * amplitude
+    for value, truth in zip((rms, energy), exact, strict=True):
+        assert value.estimated and value.low <= truth <= value.high
+        assert value == pytest.approx(truth, rel=1e-5 if outputs == 720 else 0.02)
+        assert value.high - value.low < (2e-4 if outputs == 720 else 0.2) * truth
+    assert result.measures["crank.torque.rms"].unit == "N m"
+    assert result.measures["crank.energy_fluctuation"].unit == "J"
+    if outputs == 720:
+        page = str(run.document(run_summary(result)))
+        assert f"rms torque {float(rms) * 1e3:.1f}" in page or f"rms torque {float(rms):.4g}" in page
+        assert "energy fluctuation 1.962 J, which a flywheel would take up" in page
+
+
+def test_only_a_full_turn_at_constant_speed_has_an_rms_torque_and_a_fluctuation() -> None:
+    kinds = {"crank.torque.rms", "crank.energy_fluctuation"}
+    assert not kinds & set(measures(go(weighted(0.7), 1e-4, turns=0.6)))
+    ramp = weighted(0.7)
+    ramp.drivers["crank"] = Ramp(body="crank", speed=20.0, duration=0.4)
+    ends = {turns: measures(go(ramp, 1e-4, turns=turns)) for turns in (1.5, 4.0)}
+    assert not kinds & set(ends[1.5]) and kinds <= set(ends[4.0])
+    assert ends[4.0]["crank.energy_fluctuation"] == pytest.approx(4.0 * 9.81 * 0.05, rel=1e-3)
+    # A torque that does not change has nothing to take up.
+    level = weighted(0.7)
+    level.gravity = (0.0, 0.0)
+    found = measures(go(level, 1e-4, turns=1.0))
+    assert found["crank.energy_fluctuation"] == 0.0
+    assert found["crank.torque.rms"] == pytest.approx(0.7, rel=1e-9)
+
+
+def test_a_mechanism_with_contact_has_no_estimate_of_either() -> None:
+    result = simulate(braked("B"), turns=1.0)
+    for name in ("crank.torque.rms", "crank.energy_fluctuation"):
+        assert name in result.measures and not result.measures[name].estimated
 
 
 def test_a_braked_engine_turned_round_gives_what_its_driver_takes() -> None:

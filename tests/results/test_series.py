@@ -62,5 +62,6 @@ def test_what_never_was_a_measure_is_none(result: Result) -> None:
     with pytest.raises(KeyError, match="E.force.max"):
         result.measures["E.force.max"]
     assert dict(result.measures.of("crank")).keys() == {
-        "angular_acceleration.max", "torque.max", "torque.mean", "torque.ripple", "power.mean"
+        "angular_acceleration.max", "torque.max", "torque.mean", "torque.ripple", "torque.rms",
+        "energy_fluctuation", "power.mean"
     }  # fmt: skip

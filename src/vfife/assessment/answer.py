@@ -64,6 +64,16 @@ class Life(NamedTuple):
     uniform: float = math.inf
     determined: bool = True
 
+    @property
+    def bounds(self) -> tuple[float, float] | None:
+        """The range of the life: its ``span``, or without one, for a life that is not ``determined``, what
+        the model permits, without the errors of time step and scatter; None if nothing is known.
+        """
+        if self.span is not None or self.determined:
+            return self.span
+        ends = self.turns, self.unsmoothed, self.uniform
+        return min(ends), max(ends)
+
 
 @dataclass(frozen=True)
 class JointDesign:
@@ -171,12 +181,33 @@ class Design(NotebookDocument):
         """The measure (SI) of machines whose clearances lie within the limits of the chosen fits, whatever
         their distribution: those of the ``sample`` and those of the ``corners``.
         """
-        parts = [] if self.corners is None else [self.corners.values]
-        if self.sample is not None and self.corners is not None:
-            limits = {joint.name: joint.limits for joint in self.joints if joint.limits}
-            parts.insert(0, self.sample.values[self.sample.within(limits)])
+        parts = [machines.values for machines in self._within_limits]
         values = np.concatenate(parts) if parts else np.empty(0)
         return np.asarray(values[np.isfinite(values)])
+
+    @cached_property
+    def clearances_of_largest(self) -> Mapping[str, float]:
+        """Clearances (m) by joint of the machine with the largest of the :attr:`values_within_limits`; empty
+        without any.
+        """
+        pairs = [
+            (float(value), dict(zip(machines.names, map(float, row), strict=True)))
+            for machines in self._within_limits
+            for value, row in zip(machines.values, machines.clearances, strict=True)
+            if math.isfinite(value)
+        ]
+        return max(pairs, key=lambda pair: pair[0])[1] if pairs else {}
+
+    @property
+    def _within_limits(self) -> list[MachineSample]:
+        """The machines of the ``sample`` within the limits of the chosen fits, and the ``corners``."""
+        if self.corners is None:
+            return []
+        if self.sample is None:
+            return [self.corners]
+        limits = {joint.name: joint.limits for joint in self.joints if joint.limits}
+        inside, sample = self.sample.within(limits), self.sample
+        return [MachineSample(sample.names, sample.clearances[inside], sample.values[inside]), self.corners]
 
     @property
     def joints(self) -> tuple[JointDesign, ...]:

@@ -161,7 +161,11 @@ PEAKS: Groups = (LOADS, PENETRATIONS, ACCELERATIONS)  # extremes between outputs
 OVER_TURN: Groups = (
     *PEAKS,
     MeasureGroup(
-        driving, {"torque.mean": "N m", "torque.ripple": "1", "power.mean": "W"},
+        driving,
+        {
+            "torque.mean": "N m", "torque.ripple": "1", "torque.rms": "N m", "energy_fluctuation": "J",
+            "power.mean": "W",
+        },
         ("driven_work", "particle_theta"),
     ),
     MeasureGroup(

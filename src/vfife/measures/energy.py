@@ -26,6 +26,7 @@ from ..assembly.assembled import Assembly
 from ..kernels import frame
 from ..kernels.topology import CURRENT, FREE
 from ..laws.elasticity import elastic_energy
+from ..model.functions import turning_speed
 from ..numerics import dense
 from ..numerics.elementwise import exp, hypot, sincos
 from ..solvers.record import Record, release
@@ -305,6 +306,8 @@ def actuator_powers(record: Record, window: Window) -> dict[str, float]:
 IDLE = 1e-3  # share of output and losses below which the output is rounding
 OPEN = 1e-5  # share of the largest energy below which the output is the remainder of an exchange
 ONE_WAY = 0.99  # share of its path by which a body advances that turns one way
+SPEED_TOLERANCE = 1e-6  # share of its speed by which the mean speed of a body that turns evenly may be less
+ROUNDING_OF_WORK = 1e-9  # share of the work of a driver below which its fluctuation is rounding
 ZERO_MEAN = 1e-6  # share of the torque's range below which its mean is zero
 
 
@@ -314,7 +317,8 @@ def driving(record: Record, window: Window) -> dict[str, float]:
 
     ``<driven body>.torque.mean`` (N m) = work/angle, ``.torque.ripple`` (1) = (max - min of the torque at the
     outputs) over the size of the mean, ``.power.mean`` (W) = work/time. A body that turns back has no mean
-    torque: it would be the work over what remains of the angle.
+    torque: it would be the work over what remains of the angle. One that turns at constant speed also has
+    ``.torque.rms`` (N m), the root of the mean square, and ``.energy_fluctuation`` (J).
     """
     values: dict[str, float] = {}
     has_torque = record.keeps("driven_torque")  # companions do not record it
@@ -334,7 +338,38 @@ def driving(record: Record, window: Window) -> dict[str, float]:
             reach = float(torque.max() - torque.min())
             if has_torque and abs(mean) > ZERO_MEAN * reach:
                 values[f"{name}.torque.ripple"] = reach / abs(mean)
+            if has_torque and turns_evenly(record, name, abs(turned), float(time[-1] - time[0])):
+                values[f"{name}.torque.rms"] = root_mean_square(
+                    turn.block("driven_torque")[:, body.driven], time
+                )
+                values[f"{name}.energy_fluctuation"] = energy_fluctuation(work, angle)
     return values
+
+
+def turns_evenly(record: Record, body: str, turned: float, duration: float) -> bool:
+    """Return whether a driver makes a ``body`` turn by a full turn or more at constant speed: by the angle
+    ``turned`` (rad) in a ``duration`` (s).
+    """
+    drivers = record.assembly.mechanism.drivers.values()
+    speed = max((turning_speed(driver) for driver in drivers if driver.body == body), default=0.0)
+    return turned > max(ONE_WAY * 2.0 * math.pi, (1.0 - SPEED_TOLERANCE) * speed * duration) and speed > 0.0
+
+
+def root_mean_square(torque: Array, time: Array) -> float:
+    """Return the root mean square over ``time`` (s) of a torque at the outputs, shape (outputs,)."""
+    squares = torque * torque
+    means = 0.5 * (squares[1:] + squares[:-1])
+    return math.sqrt(float((means * np.diff(time)).sum() / (time[-1] - time[0])))
+
+
+def energy_fluctuation(work: Array, angle: Array) -> float:
+    """Return the largest less the least energy (J) at the outputs that a driver has supplied beyond its mean
+    torque, the integral of torque less mean torque over the ``angle``; 0 for rounding.
+    """
+    share = (angle - angle[0]) / (angle[-1] - angle[0])
+    excess = work - work[0] - (work[-1] - work[0]) * share
+    size = float(np.abs(work - work[0]).max())
+    return reach if (reach := float(excess.max() - excess.min())) > ROUNDING_OF_WORK * size else 0.0
 
 
 def zero_mean_limits(largest: Mapping[str, float]) -> dict[str, float]:

@@ -60,7 +60,7 @@ def interval_errors(record: Record, first: int) -> dict[str, float]:
     errors: dict[str, float] = {}
     for name, curve in sampled_curves(part):
         errors[name] = max(errors.get(name, 0.0), missed(curve))
-    return errors | _ripples(part)
+    return errors | _drives(part)
 
 
 def sampled_curves(record: Record) -> Iterator[tuple[str, Array]]:
@@ -120,16 +120,28 @@ def _second_difference(curve: Array, shift: int) -> float:
     return float(np.abs(curve[2 * shift :] - 2.0 * curve[shift:-shift] + curve[: -2 * shift]).max())
 
 
-def _ripples(record: Record) -> dict[str, float]:
-    """Return the errors of ``<driven body>.torque.ripple``: both ends of the torque over its mean size."""
+def _drives(record: Record) -> dict[str, float]:
+    """Return the errors of ``<driven body>.torque.ripple``, both ends of the torque over its mean size, of
+    ``.torque.rms`` and of both ends of ``.energy_fluctuation``.
+    """
     if not record.keeps("driven_torque") or len(record.steps) < 2:
         return {}
-    errors = {}
+    errors, half = {}, 0.5 * record.assembly.choice.step
     for name, body in record.assembly.bodies.items():
-        if body.driven is not None:
-            torque = record.block("driven_torque")[:, body.driven]
-            mean = abs(float(torque.mean()))
-            errors[f"{name}.torque.ripple"] = 2.0 * missed(torque) / mean if mean > 0.0 else math.inf
+        if body.driven is None:
+            continue
+        torque = record.block("driven_torque")[:, body.driven]
+        mean, error = abs(float(torque.mean())), missed(torque)
+        errors[f"{name}.torque.ripple"] = 2.0 * error / mean if mean > 0.0 else math.inf
+        # The mean square of chords is less than that of the outputs by a sixth of that of their rises.
+        rises = np.diff(torque)
+        squares, rise = (float((values * values).mean()) for values in (torque, rises))
+        errors[f"{name}.torque.rms"] = error + rise / (6.0 * math.sqrt(squares)) if squares > 0.0 else 0.0
+        if all(record.keeps(f"driven_{block}") for block in ("work", "power")):
+            work, power = (record.block(f"driven_{block}")[:, body.driven] for block in ("work", "power"))
+            fluctuating = work - half * power
+            line = np.linspace(fluctuating[0], fluctuating[-1], len(fluctuating))
+            errors[f"{name}.energy_fluctuation"] = 2.0 * missed(fluctuating - line)
     return errors
 
 

@@ -24,7 +24,12 @@ def zero_limits(record: Record, largest: Mapping[str, float]) -> dict[str, float
     limits = {name: limit for name, limit in limits.items() if 0.0 < largest[name] <= limit}
     for name in [name for name in limits if name.endswith(".torque.max")]:
         body, torque = name.removesuffix(".torque.max"), limits[name]
-        means = {f"{body}.torque.mean": torque, f"{body}.power.mean": torque * scale.speed / scale.length}
+        means = {
+            f"{body}.torque.mean": torque,
+            f"{body}.torque.rms": torque,
+            f"{body}.energy_fluctuation": 2.0 * math.pi * torque,
+            f"{body}.power.mean": torque * scale.speed / scale.length,
+        }
         limits |= {mean: limit for mean, limit in means.items() if largest.get(mean, math.inf) <= limit}
     limits |= {name: limit for name, limit in zero_mean_limits(largest).items() if name not in limits}
     for joint, contacts in contacts_of(record).items():  # knocks of no speed lose no energy

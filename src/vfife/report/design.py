@@ -399,6 +399,12 @@ def effect_cautions(design: Design) -> Iterator[str]:
 
 def next_steps(design: Design, model: str) -> Iterator[str]:
     """Yield commands that go further."""
+    if len(design.values_within_limits) and (largest := design.clearances_of_largest):
+        changes = " ".join(
+            f"--set {quote(f'joint.{name}.clearance={1e6 * size:.6g} um')}" for name, size in largest.items()
+        )
+        command = f"vfife run {quote(model)} --turns {design.turns} {changes}"
+        yield f"{command}   (cautions of the machine with the largest value)"
     if shows_ranks(design):
         options = settling_options(design.turns)
         yield f"vfife run {model} {options}   (does the motion repeat? then: vfife design --turns N)"

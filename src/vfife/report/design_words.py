@@ -37,6 +37,7 @@ MEASURES = {  # endings of names of measures, and their words
     "penetration.max": "the largest penetration in {}", "contact_pressure.max": "the largest pressure in {}",
     "angular_acceleration.max": "the largest angular acceleration of {}",
     "friction_power.mean": "the friction power of {}", "impact_power.mean": "the power of knocks in {}",
+    "torque.rms": "the rms torque of {}", "energy_fluctuation": "the energy fluctuation of {}",
     "power.mean": "the mean power of {}", "impacts": "the number of impacts in {}",
 }  # fmt: skip
 
@@ -134,11 +135,11 @@ def life_range(life: Life) -> str:
     """Return the range of a life in turns."""
     if not math.isfinite(life.turns):
         return ""
-    if life.span is None:
+    if (span := life.bounds) is None:
         return MISSING
-    if not math.isfinite(life.span[1]):
-        return f"more than {turns_words(life.span[0])}"
-    (low, high), word = large_numbers(*life.span)
+    if not math.isfinite(span[1]):
+        return f"more than {turns_words(span[0])}"
+    (low, high), word = large_numbers(*span)
     return f"{low} to {high} {word}".rstrip()
 
 
@@ -160,7 +161,7 @@ def life_sentence(design: Design) -> str:
     lasts, remarks = f"{life_words(turns, design.turn)}{range_text}", list[str]()
     if not life.determined and design.wear is not None:
         wear_life = design.wear.life(name, life.clearance)
-        lasts = life_range_words(*(life.span or (wear_life.shortest, wear_life.longest)), design.turn)
+        lasts = life_range_words(*(life.bounds or (wear_life.shortest, wear_life.longest)), design.turn)
         remarks = [open_life_sentence(wear_life, design.wear.spec.harmonics), *groove_sentences(design.wear)]
     text = f"{beginning} reaches {prefixed(life.clearance, 'm')} after {lasts}, {scatter(design)}."
     return " ".join([text, *remarks])
@@ -169,7 +170,7 @@ def life_sentence(design: Design) -> str:
 def first_joints(lives: list[tuple[float, str, Life]]) -> list[str]:
     """Return the joints whose life may be the shortest: by smoothed grooves, by either end of their range."""
     firsts = {min(lives)[1]}
-    if spans := [(life.span, name) for _, name, life in lives if life.span is not None]:
+    if spans := [(span, name) for _, name, life in lives if (span := life.bounds) is not None]:
         firsts |= {min((span[end], name) for span, name in spans)[1] for end in (0, 1)}
     return sorted(firsts)
 
@@ -197,6 +198,11 @@ def life_cautions(design: Design, wear: Worn) -> Iterator[str]:
         yield (
             f"The life of {and_words(names)} is {NOT_DETERMINED}: its range reaches from that of the deepest"
             " places as they wore to that of wear spread evenly around bearing and journal."
+        )
+    if names := [joint.name for joint in design.joints if joint.life and joint.life.span is None]:
+        yield (
+            f"The life of {and_words(names)} lacks scatter over turns and the error of the time step, because"
+            " the simulation of wear was interrupted."
         )
     if any(joint.life is not None and is_extrapolated(joint.life, wear) for joint in design.joints):
         yield (f"Lives beyond {turns_words(float(wear.turns[-1]))} turns are extrapolated at the last rate.")

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from .amounts import prefixed
 from .design_words import and_words, default_limit_words, end, quantity_of, words
 from .searches import allocation as allocation_document
 
@@ -56,11 +57,22 @@ def limit_sentences(design: Design) -> Iterator[str]:
         )
         yield (
             f"With any clearances within the limits of these fits ({machine_words(design)}),"
-            f" {words(design.measure)} is {low} to {high}; {excess}."
+            f" {words(design.measure)} is {low} to {high}; {excess}. {largest_sentence(design)}"
         )
     if coarsest := coarsest_fits(design):
         fits = "; ".join(f"{fit} for {and_words(names)}" for fit, names in coarsest.items())
         yield f"Coarser fits than these were not tried: {fits} (--cost names other grades)."
+
+
+def largest_sentence(design: Design) -> str:
+    """Return the clearances of the machine with the largest value, and that a run has its cautions."""
+    clearances = ", ".join(
+        f"{prefixed(size, 'm')} in {name}" for name, size in design.clearances_of_largest.items()
+    )
+    return (
+        f"It is largest with {clearances}: vfife run with these clearances has the cautions about contact"
+        " laws, pressures and whirl, which machines do not have."
+    )
 
 
 def machine_words(design: Design) -> str:
@@ -125,7 +137,12 @@ def fits_data(design: Design) -> dict[str, Any]:
     within = None
     if len(values):
         ends = {"least": float(values.min()), "largest": float(values.max())}
-        within = {"machines": len(values), **ends, "which": machine_words(design)}
+        within = {
+            "machines": len(values),
+            **ends,
+            "which": machine_words(design),
+            "largest_clearances": dict(design.clearances_of_largest),
+        }
     return {
         "allocation": None if answer is None else allocation_document(answer).data,
         "assumption": None if answer is None else ASSUMPTION.format(design.limit_deviations),

@@ -262,12 +262,17 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
                 value_text(summary, f"{name}.torque.mean", "N m"),
                 value_text(summary, f"{name}.power.mean", "W"),
             )
+            rms = f"{name}.torque.rms"
+            square = f", rms torque {value_text(summary, rms, 'N m')}" if rms in measures else ""
             braking = "".join(f", {words}" for words in reversed_power(summary, f"{name}.power.mean"))
             yield (
                 "",
-                f"{name}: mean torque {torque}{swing if ripple else ''}, mean power {power}{braking}"
+                f"{name}: mean torque {torque}{swing if ripple else ''}{square}, mean power {power}{braking}"
                 f" ({part})",
             )
+        if (energy := f"{name}.energy_fluctuation") in measures:
+            text = value_text(summary, energy, "J")
+            yield "", f"{name}: energy fluctuation {text}, which a flywheel would take up ({part})"
     if (name := "mechanism.efficiency") in measures:
         yield (
             "",

@@ -11,6 +11,7 @@ from ..laws.materials import OILED, PAIRS, SCATTER
 from ..measures.values import NOT_ESTIMATED
 from ..model.functions import turn_of
 from .amounts import life_range_words, life_words, quantity, turns_words
+from .digits import NOT_DETERMINED
 from .document import Document, Table, incomplete, paragraphs
 
 if TYPE_CHECKING:
@@ -149,7 +150,7 @@ def _remarks(wear: Worn) -> Iterator[str]:
         text, remark = _life(wear, wear.life_end["turns"], joint, _open_life(wear, joint))
         yield f"Life: {text}, until joint {joint} reaches the limit of its {by}.{remark}"
     elif spec.clearance is not None or spec.force is not None:
-        yield f"Life: more than {wear.turns[-1]:,.0f} turns; no limit was reached{_outlook(wear)}"
+        yield f"Life: {_bound(wear)}{_outlook(wear)}"
 
 
 def _life(wear: Worn, turns: float, joint: str, life: WearLife | None) -> tuple[str, str]:
@@ -237,6 +238,16 @@ def _advice(wear: Worn, joint: str) -> str:
         "More of them do not help: the grooves that they resolve are narrower than the journal, which would"
         " widen them."
     )
+
+
+def _bound(wear: Worn) -> str:
+    """Return that no limit was reached: as a least life only where no range of a life begins below it."""
+    turns, limit = f"{wear.turns[-1]:,.0f} turns", wear.spec.clearance
+    lives = [] if limit is None else [wear.life(joint, limit) for joint in wear.joints]
+    if all(life.shortest >= wear.turns[-1] for life in lives):
+        return f"more than {turns}; no limit was reached"
+    grooves = "smoothed grooves" if wear.spec.harmonics else "mean depths"
+    return f"{NOT_DETERMINED}; with {grooves} no limit was reached in {turns}"
 
 
 def _outlook(wear: Worn) -> str:

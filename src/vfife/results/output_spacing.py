@@ -19,7 +19,8 @@ EXTREME = "_max)"  # channels of the largest values of all steps, as in max(C.fo
 # Measures that are largest values or means at the outputs, by the ends of their names.
 AT_OUTPUTS = (
     ".shaking_force.max", ".shaking_moment.max", ".acceleration.max", ".tension.max", ".compression.max",
-    ".torque.ripple", ".pressure_velocity.max", ".pressure_velocity.mean",
+    ".torque.ripple", ".torque.rms", ".energy_fluctuation",
+    ".pressure_velocity.max", ".pressure_velocity.mean",
 )  # fmt: skip
 FIRST_ORDER = 1  # of the step in a study of a mechanism with contact
 

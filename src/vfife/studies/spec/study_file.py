@@ -202,7 +202,8 @@ def measure_names(view: RunData) -> list[str]:
         if name.endswith((".force.max", ".angular_acceleration.max"))
     ]
     torques = [name.removesuffix(".torque.max") for name in names if name.endswith(".torque.max")]
-    names += [f"{name}.torque.{kind}" for name in torques for kind in ("mean", "ripple")]
+    names += [f"{name}.torque.{kind}" for name in torques for kind in ("mean", "ripple", "rms")]
+    names += [f"{name}.energy_fluctuation" for name in torques]
     return [*names, *(f"{name}.power.mean" for name in torques), "mechanism.efficiency"]
 
 
