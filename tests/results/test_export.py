@@ -203,7 +203,7 @@ def renamed(name: str) -> vfife.Mechanism:
 
 
 def test_remainders_of_rounding_are_zero_for_readers(tmp_path: Path) -> None:
-    """1.73e-322 is a zero that rounding left, in tables with commas and points; other numbers keep all bits."""
+    """1.73e-322 is a zero that rounding left, with commas and points; other numbers keep all bits."""
     heads = ["ram.angle [deg]", "x [m]"]
     rows = [heads, [1.73e-322, -8.4e-318], [-1.1e-301, 1.0 / 3.0], [1.1e-300, -0.0]]
     files.write_rows(tmp_path / "a.csv", rows, "comma")
