@@ -17,6 +17,10 @@ from vfife.dynamics.step_check import CheckedMap, Companion, packed, sampled, un
 from vfife.errors import ModelError
 from vfife.measures.chaos import verdict
 from vfife.modelfile import load
+from vfife.plots.dynamics import shares
+from vfife.report.document import Table
+from vfife.report.dynamics import _transients as transient_sentences
+from vfife.report.dynamics import basins as basins_document
 
 LOOSE = "examples/slider_crank_loose_pin.toml"
 
@@ -69,6 +73,26 @@ def test_a_double_well_has_two_basins_that_are_each_others_mirror(wells) -> None
     assert found.spec.varied == () and [one.kind for one in over.attractors] == [
         "period 1"
     ]  # points would move with the stiffness
+
+
+@pytest.mark.system("steps a grid of starts")
+def test_the_table_and_the_figure_number_the_motions_alike(wells) -> None:
+    """A sentence on a motion names its number, and two motions of one kind are told apart by it."""
+    found, _, _ = wells
+    table = next(part for part in basins_document(found).parts if isinstance(part, Table))
+    labels = [patch.get_label().partition(":")[0] for patch in shares(found, ["red", "blue"])]
+    assert [row[0] for row in table.rows] == labels == ["1. period 1", "2. period 1"]
+
+
+@pytest.mark.parametrize(
+    ("transients", "said"),
+    [
+        ([4], "Motion 5 of this table may be a transient "),
+        ([1, 4], "Motions 2 and 5 of this table may be tr"),
+    ],
+)
+def test_motions_that_may_be_transients_are_named_by_number(transients: list[int], said: str) -> None:
+    assert transient_sentences(SimpleNamespace(transients=transients))[0].startswith(said)  # type: ignore[arg-type]
 
 
 @pytest.mark.system("breaks a grid of starts off")

@@ -123,6 +123,13 @@ def test_digits_follow_the_difference_and_end_at_the_error() -> None:
     assert "bottom -289.8 mm (ideal -290.0)" in dict(dead_centres.facts(summary))["Dead centres ram"]
 
 
+def test_an_end_at_the_origin_is_no_negative_zero() -> None:
+    """A top dead centre 2 µm below the origin is at 0.00 mm where the digits end at hundredths."""
+    summary = copy.deepcopy(press().summary)
+    entry(summary, "top").update(position=-2e-6, ideal=-1e-6, short=1e-6, missed=1e-5)
+    assert "top 0.00 mm (ideal 0.00)" in dict(dead_centres.facts(summary))["Dead centres ram"]
+
+
 def test_only_bodies_on_guides_have_dead_centres() -> None:
     four_bar = vfife.simulate(gallery.four_bar(), turns=0.1).summary
     assert four_bar["dead_centres"] == [] and "Dead centres" not in as_text(overview(four_bar))

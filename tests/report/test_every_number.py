@@ -24,7 +24,7 @@ from vfife.report.summary import run_summary
 from vfife.simulation.result import Result
 
 Json = dict[str, Any]
-NUMBER = r"[-+]?[\d,]+(?:\.\d+)?"
+NUMBER = r"[-+]?[\d,]+(?:\.\d+)?(?:e[-+]\d+)?"
 UNITS = {"": 1.0, "k": 1e3, "M": 1e6, "G": 1e9, "m": 1e-3, "µ": 1e-6, "n": 1e-9}
 PREFIXABLE = ("m/s", "MPa m/s", "Pa m/s", "Pa", "W", "N m", "N", "m", "s")
 

@@ -202,11 +202,13 @@ def renamed(name: str) -> vfife.Mechanism:
     return m
 
 
-def test_numbers_below_all_normal_ones_are_zero_for_readers(tmp_path: Path) -> None:
-    """1.73e-322 is a zero that rounding left; files that programs read back have all bits."""
-    rows = [["ram.angle [deg]", "x [m]"], [1.73e-322, -8.4e-318], [2.5e-308, 1.0]]
+def test_remainders_of_rounding_are_zero_for_readers(tmp_path: Path) -> None:
+    """1.73e-322 is a zero that rounding left, with commas and points; other numbers keep all bits."""
+    heads = ["ram.angle [deg]", "x [m]"]
+    rows = [heads, [1.73e-322, -8.4e-318], [-1.1e-301, 1.0 / 3.0], [1.1e-300, -0.0]]
     files.write_rows(tmp_path / "a.csv", rows, "comma")
     lines = (tmp_path / "a.csv").read_text(encoding="utf-8-sig").splitlines()
-    assert lines[1:] == ["0,0;0,0", "0,0;1,0"]
+    assert lines[1:] == ["0,0;0,0", "0,0;0,3333333", "0,0;0,0"]
     files.write_rows(tmp_path / "b.csv", rows)
-    assert (tmp_path / "b.csv").read_text().splitlines()[1] == "1.73e-322,-8.4e-318"
+    lines = (tmp_path / "b.csv").read_text().splitlines()
+    assert lines[1:] == ["0.0,0.0", "0.0,0.3333333333333333", "1.1e-300,-0.0"]

@@ -13,6 +13,7 @@ import vfife
 from vfife import gallery
 from vfife.errors import VfifeError
 from vfife.measures.spectral import COSINES, resolution_of, window_of
+from vfife.report.dynamics import spectra
 
 RATE = 2000.0
 TIMES = np.arange(4000) / RATE
@@ -127,6 +128,17 @@ def test_series_of_a_run_have_orders(run):
     assert times.amplitudes.shape == (len(times.times), 91) and times.orders[1] == pytest.approx(2.0)
     assert "0.5 turns" in times.words and "75 %" in times.words and "resolution 3 orders" in times.words
     assert len(run.envelope("C.force").values) == 720
+
+
+def test_the_band_of_an_envelope_ends_at_half_the_output_rate(run):
+    """The series has no higher frequencies; the answer, the title of the figure and the command say so."""
+    half = 0.5 / float(np.diff(run.series["C.force"].time.values[-2:])[0])
+    found, whole = (run.envelope("C.force", band=(0.1 * half, end)) for end in (9.0 * half, half))
+    assert found.band == pytest.approx((0.1 * half, half)) and found.asked == 9.0 * half
+    assert f"to {half:g} Hz (half the sampling rate; {9.0 * half:g} Hz asked for)" in found.words
+    assert whole.asked is None and "asked" not in whole.words
+    assert np.array_equal(found.values, whole.values)
+    assert any("asked for" in getattr(part, "text", "") for part in spectra([found], "run").parts)
 
 
 def test_tables_hold_what_was_found(run, tmp_path):

@@ -14,7 +14,6 @@ import math
 import os
 import shutil
 import stat
-import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from itertools import chain, repeat
@@ -158,7 +157,8 @@ def free_bytes(path: Path) -> int | None:
 
 
 def write_rows(path: str | Path, rows: Iterable[Iterable[Any]], decimal: str = "point") -> None:
-    """Write rows as CSV, heads first: numbers to the last bit, line ends by RFC 4180 on every machine.
+    """Write rows as CSV, heads first: numbers to the last bit, line ends by RFC 4180 on every machine;
+    numbers below :data:`SMALLEST` are zero.
 
     With a ``decimal`` "comma" semicolons separate the values, a mark of UTF-8 begins the file, as
     spreadsheets of many countries expect, and numbers are rounded for readers as by
@@ -172,9 +172,12 @@ def write_rows(path: str | Path, rows: Iterable[Iterable[Any]], decimal: str = "
             stream.write("\ufeff")
             csv.writer(stream, delimiter=";").writerows(map(_with_commas, rounded_rows(rows)))
         else:
-            csv.writer(stream).writerows(rows)
+            csv.writer(stream).writerows(map(_without_remainders, rows))
 
 
+# Numbers below are remainders of rounding, as of forces that cease; spreadsheets read some of them as text.
+# NetCDF, Parquet, MATLAB and JSON have them as they are.
+SMALLEST = 1e-300
 # Digits of numbers in tables for readers of spreadsheets. CSV with decimal points, NetCDF, Parquet, MATLAB
 # and JSON have all digits, because programs read them back.
 DIGITS = 7
@@ -206,14 +209,16 @@ def rounded_rows(rows: Iterable[Iterable[Any]]) -> Iterator[Iterable[Any]]:
 
 
 def _rounded(value: float, digits: int, angle: bool) -> float:
-    """Return a number with a count of digits; zero without a sign, also for one below all normal numbers,
-    which spreadsheets read as text.
-    """
+    """Return a number with a count of digits; zero without a sign, also for one below :data:`SMALLEST`."""
     if not math.isfinite(value):
         return value
-    if abs(value) < sys.float_info.min:
+    if abs(value) < SMALLEST:
         return 0.0
     return float(f"{round(value, DECIMALS_OF_ANGLES) if angle else value:.{digits}g}") + 0.0
+
+
+def _without_remainders(row: Iterable[Any]) -> list[Any]:
+    return [0.0 if isinstance(value, float) and 0.0 < abs(value) < SMALLEST else value for value in row]
 
 
 def _with_commas(row: Iterable[Any]) -> list[Any]:

@@ -23,10 +23,10 @@ def rounded(value: float, places: int, direction: int = NEAREST) -> float:
     The number is rounded as Python prints it, so that 2.3 remains 2.3 in each direction.
     """
     if direction == NEAREST or not math.isfinite(value):
-        return round(value, places)
+        return round(value, places) + 0.0  # no negative zero
     shortest = Decimal(repr(float(value)))
     unit = Decimal(1).scaleb(-places)
-    return float(shortest.quantize(unit, ROUNDING[direction], EXACT)) + 0.0  # no negative zero
+    return float(shortest.quantize(unit, ROUNDING[direction], EXACT)) + 0.0
 
 
 def significant(value: float, digits: int, direction: int = NEAREST) -> str:

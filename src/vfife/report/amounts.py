@@ -19,6 +19,8 @@ PREFIXED = ("m", "N", "Pa", "W", "J", "s")  # units of quantities with prefixes
 MOST_DIGITS = 10  # of a number whose error is unknown
 TENTH = 0.1 + 1e-12  # of an end of a range: its second digit is kept, although products round
 TINY = 0.01  # of the larger end of a range: a smaller end has one digit
+LEAST_SHARE = 1e-6  # of the larger end of a range: a smaller end has the last digit of the width
+SMALL = 1e-4  # below it a range without prefix has powers of ten, as Python prints single numbers
 
 
 def interval(low: float, high: float, unit: str, width: float, word: str = "to", prefix: bool = True) -> str:
@@ -26,17 +28,31 @@ def interval(low: float, high: float, unit: str, width: float, word: str = "to",
     range.
 
     No digit is finer than the first of ``width`` (same unit), or those of :func:`end_width`. With ``prefix``,
-    both ends have the prefix of the larger one.
+    both ends have the prefix of the larger one; without, ranges below :data:`SMALL` have powers of ten.
     """
     directions = (DOWN, UP) if high > low else (NEAREST, NEAREST)
     size = max(abs(low), abs(high))
     texts = []
     for end, way in zip((low, high), directions, strict=True):
         fine = end_width(end, low, high, width)
+        if 0.0 < abs(end) < LEAST_SHARE * size < math.inf:
+            end = rounded(end, -exponent(0.1 * (high - low)), way)
+        with_prefix = prefix or not end
         texts.append(
-            prefixed(end, unit, fine, way, size) if prefix or not end else amount(end, unit, fine, way)
+            prefixed(end, unit, fine, way, size) if with_prefix else _plain_end(end, unit, fine, way, size)
         )
     return f"{texts[0].split()[0]} {word} {texts[1]}"
+
+
+def _plain_end(end: float, unit: str, fine: float, way: int, size: float) -> str:
+    """Return an end of a range without prefix; no digit is finer than the first of ``fine`` (same unit)."""
+    places = decimals(end, fine)
+    if size < SMALL:
+        end = rounded(end, places, way)
+        return f"{end:.{max(0, places + int(f'{end:e}'.partition('e')[2]))}e} {unit}"
+    if fine > 0.0 or abs(end) >= 100.0:
+        return f"{fixed_point(end, places, way)} {unit}"
+    return f"{significant(end, 4, way)} {unit}"
 
 
 def end_width(end: float, low: float, high: float, width: float) -> float:
@@ -86,15 +102,15 @@ def amount(value: float | None, unit: str, width: float = 0.0, direction: int = 
     if value is None:
         return ""
     if not (width > 0.0 and math.isfinite(value)) or abs(value) < 1e-6:
-        if value >= 100.0 or value < 1e-6:
+        if abs(value) >= 100.0 or abs(value) < 1e-6:
             return f"{fixed_point(value, 1, direction)} {unit}"
         return f"{significant(value, 4, direction)} {unit}"
     return f"{fixed_point(value, decimals(value, width), direction)} {unit}"
 
 
-def percent(value: float | None, width: float = 0.0) -> str:
+def percent(value: float | None, width: float = 0.0, direction: int = NEAREST) -> str:
     """Return a percentage with at most two decimals, and from 100 % on four digits; "" for None."""
-    return "" if value is None else f"{fixed_point(value, percent_places(value, width))} %"
+    return "" if value is None else f"{fixed_point(value, percent_places(value, width), direction)} %"
 
 
 def percent_places(value: float, width: float = 0.0) -> int:

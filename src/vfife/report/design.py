@@ -11,7 +11,7 @@ from ..laws.materials import EXAMPLE_COEFFICIENT, EXAMPLE_LUBRICATION
 from ..measures.catalogue import COUNTS_KEY, LAST, counts_of, differentiable, is_reduction
 from ..measures.wear import SIDES
 from ..model.surfaces import body_of, surface_words
-from ..numerics.outward import UP
+from ..numerics.outward import DOWN, UP, rounded
 from .amounts import percent, prefixed, quantities, turns_words
 from .cautions import rebound_cautions
 from .design_words import (
@@ -152,7 +152,12 @@ def rank_cells(design: Design, joint: JointDesign) -> tuple[str, str]:
     """Return the rank correlation with the clearance and its range, where clearances are ranked."""
     if joint.rank is None or not shows_ranks(design):
         return "", ""
-    return f"{joint.rank.value:+.2f}", f"{joint.rank.low:+.2f} to {joint.rank.high:+.2f}"
+    return f"{joint.rank.value:+.2f}", rank_range(joint.rank.low, joint.rank.high)
+
+
+def rank_range(low: float, high: float) -> str:
+    """Return the range of a rank correlation, its ends rounded outwards."""
+    return f"{rounded(low, 2, DOWN):+.2f} to {rounded(high, 2, UP):+.2f}"
 
 
 def shows_ranks(design: Design) -> bool:
@@ -308,7 +313,7 @@ def ranking_sentence(design: Design, subject: str) -> str:
     ties = [rival for rival, rank in ranks[1:] if max(abs(rank.low), abs(rank.high)) > sure_size]
     text = (
         f"The clearance of {name} matters most for {subject}: their rank correlation over {machines} is"
-        f" {first.value:+.2f} ({first.low:+.2f} to {first.high:+.2f})"
+        f" {first.value:+.2f} ({rank_range(first.low, first.high)})"
     )
     sign = ", less with more clearance" if first.value < 0.0 else ""
     rivals = f", but {and_words(ties)} may matter as much" if ties else ""

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from ..numerics.outward import NEAREST
+from ..numerics.outward import DOWN, NEAREST, UP
 from .amounts import (
     Digits,
     interval,
@@ -90,14 +90,18 @@ def effect_words(design: Design, effect: Effect) -> str:
 
 
 def effect_range(design: Design, effect: Effect) -> str:
-    """Return the range of an effect, as :func:`effect_words`."""
+    """Return the range of an effect, as :func:`effect_words`, its ends rounded outwards."""
     width = effect.high - effect.low
+    ends = (effect.low, effect.high)
+    ways = (DOWN, UP) if width > 0.0 else (NEAREST, NEAREST)
     if design.by_difference:
         if not width or design.unit not in ("m", "rad"):
-            return " to ".join(difference_words(end, design.unit, width) for end in (effect.low, effect.high))
+            return " to ".join(
+                difference_words(end, design.unit, width, way) for end, way in zip(ends, ways, strict=True)
+            )
         size = max(abs(effect.low), abs(effect.high))
         return interval(effect.low, effect.high, design.unit, max(0.1 * width, MOST_PARTS * size))
-    return " to ".join(percent(end, width) for end in (effect.low, effect.high))
+    return " to ".join(percent(end, width, way) for end, way in zip(ends, ways, strict=True))
 
 
 def effect_difference(design: Design, effect: Effect) -> str:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ..job.progress import counted
 from ..measures.chaos import CHAOTIC, NO_POINTS, STEP_UNKNOWN, TEST_POINTS, UNDECIDED, UNSETTLED
 from .amounts import quantity
+from .design_words import and_words
 from .document import Document, Paragraph, Table, incomplete, paragraphs
 
 if TYPE_CHECKING:
@@ -135,12 +136,19 @@ def spells_words(spells: Sequence[Spell], unit: str, factor: float = 1.0) -> str
 
 
 def basins(result: Basins) -> Document:
-    """Return a document with the number of starts that lead to each motion."""
+    """Return a document with the number of starts that lead to each motion; motions have the numbers of the
+    figure.
+    """
     spec, total = result.spec, max(len(result.verdicts), 1)
-    sizes = [(attractor.kind, len(attractor.members)) for attractor in result.attractors]
+    sizes = [
+        (f"{k}. {attractor.kind}", len(attractor.members)) for k, attractor in enumerate(result.attractors, 1)
+    ]
     if len(sizes) > MOST_ATTRACTORS:
         left_out = sizes[MOST_ATTRACTORS:]
-        sizes[MOST_ATTRACTORS:] = [(f"{len(left_out)} others", sum(count for _, count in left_out))]
+        numbers = f"{MOST_ATTRACTORS + 1} to {len(sizes)}"
+        sizes[MOST_ATTRACTORS:] = [
+            (f"{numbers}. {len(left_out)} others", sum(count for _, count in left_out))
+        ]
     rows = [(kind, f"{count:,}", f"{100.0 * count / total:.3g} %") for kind, count in sizes]
     excluded = result.done - len(result.verdicts)
     impossible = (
@@ -196,15 +204,18 @@ def _undecided_starts(result: Basins) -> list[str]:
 
 def _transients(result: Basins) -> list[str]:
     """Return which periodic motions may be transients, and the remedy."""
-    numbers = ", ".join(str(k + 1) for k in result.transients)
-    return (
-        [
-            f"Motion {numbers} of this table may be a transient near an unstable motion, because a small"
-            " difference decays in none of its starts: take more turns."
-        ]
-        if numbers
-        else []
+    numbers = [str(k + 1) for k in result.transients]
+    if not numbers:
+        return []
+    several = len(numbers) > 1
+    subject, what = (
+        f"Motion{'s' * several} {and_words(numbers)}",
+        "transients" if several else "a transient",
     )
+    return [
+        f"{subject} of this table may be {what} near an unstable motion, because a small difference decays in"
+        f" none of {'their' if several else 'its'} starts: take more turns."
+    ]
 
 
 def section(result: PoincareSection) -> Document:

@@ -271,7 +271,7 @@ class RunData:
         :func:`~vfife.dynamics.envelope`.
 
         name: the series, such as ``C.force``
-        band: lowest and highest frequency (Hz), by default all
+        band: lowest and highest frequency (Hz), by default all; a band beyond half the output rate ends there
         """
         series = sampled(self, name)
         return envelope(series.values, series.spacing, band=band, **series.label)

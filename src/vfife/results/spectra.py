@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from .run_data import RunData
 
 Array = NDArray[np.float64]
+SAME = 1e-9  # relative difference below which two frequencies are equal
 PARTS = 16  # windows side by side in a spectrogram
 
 
@@ -141,7 +142,8 @@ class Envelope(DataTable):
     ``times`` (s); all shape (samples,).
 
     The mean is subtracted first. ``spectrum``: that of the envelope, which shows how often the vibration is
-    excited.
+    excited. ``asked``: the highest frequency (Hz) that was asked for, if ``band`` ends at half the sampling
+    rate instead.
     """
 
     name: str
@@ -151,12 +153,14 @@ class Envelope(DataTable):
     values: Array = field(repr=False)
     filtered: Array = field(repr=False)
     spectrum: Spectrum
+    asked: float | None = None
 
     @property
     def words(self) -> str:
         """Description of band and resolution."""
         band = "all frequencies" if self.band is None else f"{self.band[0]:g} to {self.band[1]:g} Hz"
-        return f"{band}; {self.spectrum.words}"
+        cut = "" if self.asked is None else f" (half the sampling rate; {self.asked:g} Hz asked for)"
+        return f"{band}{cut}; {self.spectrum.words}"
 
     def table(self) -> Iterator[Sequence[Any]]:
         """Yield a row for each time: time, vibration, envelope."""
@@ -254,7 +258,8 @@ def envelope(
 
     values: equally spaced samples, shape (samples,)
     spacing: time between two samples (s)
-    band: lowest and highest frequency (Hz) of the part of the series that is used, by default all
+    band: lowest and highest frequency (Hz) of the part of the series that is used, by default all; a band
+    beyond half the sampling rate ends there
     label: ``name`` and ``unit`` for tables, ``turn`` (s) of a crank for orders, ``start`` (s) of the first
     sample
 
@@ -263,6 +268,9 @@ def envelope(
     """
     series = spectral.windows_of(np.asarray(values, dtype=float), spacing, None, 0.0, np.size(values)).values
     signal = spectral.analytic(series, spacing, band)
+    asked, highest = None, 0.5 / spacing
+    if band is not None and band[1] > highest * (1.0 + SAME):
+        band, asked = (band[0], highest), float(band[1])
     size, name, unit = np.abs(signal), label.get("name", ""), label.get("unit", "")
     of_envelope = spectrum(
         size, spacing, turn=label.get("turn"), name=f"envelope of {name}".strip(), unit=unit
@@ -276,6 +284,7 @@ def envelope(
         values=size,
         filtered=np.asarray(signal.real),
         spectrum=of_envelope,
+        asked=asked,
     )
 
 
