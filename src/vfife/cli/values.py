@@ -12,6 +12,7 @@ from ..laws.user import load_laws
 from ..schema import Measure, Value
 from ..units import assignments, is_bare, unit_fault
 from .options import LengthOptions, ModelOptions
+from .terminal import tell
 
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
@@ -110,5 +111,17 @@ def with_options(mechanism: Mechanism, options: LengthOptions, **settings: Any) 
 
 
 def mechanism_of(options: ModelOptions) -> Mechanism:
-    """Return the mechanism of the model file with the values of ``--set`` and the laws of ``--laws``."""
-    return read_model(options.model, options.set_, options.laws)
+    """Return the mechanism of the model file with the values of ``--set`` and the laws of ``--laws``, and
+    print the cautions about it, which answers of :func:`read_model` contain.
+    """
+    mechanism = read_model(options.model, options.set_, options.laws)
+    tell_cautions(mechanism)
+    return mechanism
+
+
+def tell_cautions(mechanism: Mechanism) -> None:
+    """Print the cautions about the numbers and connections of a mechanism on standard error."""
+    from ..model.validation.plausibility import contradictions, suspects
+
+    for caution in (*suspects(mechanism), *contradictions(mechanism)):
+        tell("warning", caution)
