@@ -250,8 +250,8 @@ def _usual_torque(mechanism: Mechanism, driven: str, speed: float) -> float:
     radius = (extent(crank) if isinstance(crank, Link | RigidBody) else 0.0) or size
     mass = inertia = 0.0
     for body in mechanism.bodies.values():
-        own = body.own_mass if isinstance(body, Link) else getattr(body, "mass", None)
-        mass += (own or 0.0) + sum(getattr(body, f"{end}_mass", 0.0) for end in ("start", "end"))
+        body_mass = body.own_mass if isinstance(body, Link) else getattr(body, "mass", None)
+        mass += (body_mass or 0.0) + sum(getattr(body, f"{end}_mass", 0.0) for end in ("start", "end"))
         keys = "inertia", "start_inertia", "end_inertia"
         inertia += sum(getattr(body, key, None) or 0.0 for key in keys)
     torque = (inertia + mass * radius * radius) * speed * speed + mass * hypot(*mechanism.gravity) * radius
