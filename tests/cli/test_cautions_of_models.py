@@ -127,3 +127,9 @@ def test_a_search_says_it(command: Command, heavy: str) -> None:
 def test_models_in_the_right_units_have_no_caution(command: Command) -> None:
     answer = command("modes", LOOSE)
     assert answer.exit_code == 0 and answer.stderr == ""
+
+
+def test_a_refusal_does_not_repeat_them(command: Command) -> None:
+    answer = command("sensitivity", LOOSE, *HEAVY, "--set", "body.rod.length=0.01")
+    assert answer.exit_code == 2 and joined(answer.stderr).count(WORDS) == 1
+    assert "jams at crank angle" in joined(answer.stderr)

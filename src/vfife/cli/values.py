@@ -13,6 +13,7 @@ from ..model.validation.plausibility import contradictions, suspects
 from ..schema import Measure, Value
 from ..units import assignments, is_bare, unit_fault
 from .options import LengthOptions, ModelOptions
+from .signals import ENDING
 from .terminal import tell
 
 if TYPE_CHECKING:
@@ -124,3 +125,4 @@ def tell_cautions(mechanism: Mechanism) -> None:
     """Print the cautions about the numbers and connections of a mechanism on standard error."""
     for caution in (*suspects(mechanism), *contradictions(mechanism)):
         tell("warning", caution)
+        ENDING.cautions.append(caution)
