@@ -1,5 +1,6 @@
 """``vfife help WORD`` finds commands by purpose; the help groups every command once."""
 
+import dataclasses
 import json
 from pathlib import Path
 
@@ -7,6 +8,8 @@ import pytest
 from typer.main import get_command
 from typer.testing import CliRunner
 
+import vfife
+from vfife import Mechanism
 from vfife.cli.app import app
 from vfife.cli.commands import help as topics
 from vfife.cli.registry import COMMANDS, PURPOSES
@@ -212,3 +215,16 @@ def test_pages_have_the_titles_of_the_documentation() -> None:
 def test_a_zone_of_iso_286_finds_what_a_fit_finds(command) -> None:
     done = command("help", "H7")
     assert done.exit_code == 0 and "tolerance" in done.stdout
+
+
+def test_measures_of_a_static_analysis_are_found() -> None:
+    found = {one.name: one.text for one in topics.search("displacement")}
+    assert "centre of mass of a rigid body" in found["displacement.max"]
+    mechanism = Mechanism("stretched")
+    mechanism.point("O", 0.0, 0.0)
+    mechanism.link("bar", length=1.0, mass=1.0)
+    mechanism.revolute("A", "ground.O", "bar.start")
+    mechanism.spring("s", "ground.O", "bar.end", stiffness=1.0)
+    settings = dataclasses.replace(mechanism.settings, analysis="static")
+    measures = vfife.simulate(dataclasses.replace(mechanism, settings=settings)).measures
+    assert set(topics.STATIC_MEASURES) <= set(measures)

@@ -14,6 +14,7 @@ from vfife.model.drivers import Harmonic
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
 from vfife.model.validation.plausibility import suspects
+from vfife.model.wear import Wear
 from vfife.report.overview import cautions
 
 
@@ -472,3 +473,46 @@ def test_at_the_largest_tilt_a_block_is_as_high_as_its_guide_is_wide(length: flo
     tilt, r = joint.tilt, joint.corner_radius
     extent = (length - 2 * r) * math.sin(tilt) + (0.02 - 2 * r) * math.cos(tilt) + 2 * r
     assert 0.0 < tilt < 0.06 and extent == pytest.approx(0.0204, rel=1e-12)
+
+
+def motor(factor: float, load: float = 0.0) -> Mechanism:
+    """A four-bar with the curve of a motor of 12 N m times ``factor``."""
+    m = linkage()
+    m.drivers.clear()
+    m.torque("crank", value=[12.0 * factor, 8.0 * factor, 0.0], speeds=[0.0, 30.0, 60.0])
+    if load:
+        m.loads["press"] = PointForce(name="press", at="coupler.end", force=(0.0, load))
+    return m
+
+
+def test_the_curve_of_a_motor_in_newton_millimetres_is_told() -> None:
+    """A slow machine with a large load needs the torque that a fast one without load cannot use."""
+    assert suspects(motor(1.0)) == suspects(motor(30.0)) == ()
+    (told,) = suspects(motor(1000.0))
+    assert told.startswith("driver.crank.torque reaches 12000 N m, ") and "is it 12000 N mm?" in told
+    assert suspects(motor(1000.0, load=5e3)) == ()
+    assert "12000 N m" in motor(1000.0).drivers["crank"].words
+
+
+def test_a_wear_coefficient_in_cubic_millimetres_is_told() -> None:
+    m = gallery.four_bar_case_c()
+    steel = "mild steel on mild steel"
+    for coefficient, said in ((8e-17, False), (6e-12, False), (8e-8, True), (steel, False)):
+        m.joints["C"] = dataclasses.replace(m.joints["C"], wear=Wear(journal=coefficient))
+        told = [text for text in suspects(m) if "joint.C.wear.journal" in text]
+        assert len(told) == said and all("is it 8e-08 mm^3/(N m)?" in text for text in told)
+
+
+@pytest.mark.parametrize(
+    ("factor", "ambient", "words"),
+    [
+        (1e-5, 1.013, ("The pressure of load.gas never exceeds 8.4 Pa", "is it 8.4 bar?")),
+        (1e-5, 0.0, ("The pressure of load.gas never exceeds 8.4 Pa", "is it 8.4 bar?")),
+        (1.0, 1.013, ("load.gas.ambient is 1.013 Pa", "is it 1.013 bar?")),
+        (1.0, 0.0, ()),
+    ],
+)
+def test_pressures_in_bar_without_their_unit_are_told(factor: float, ambient: float, words) -> None:
+    model = gallery.compressor()
+    found = suspects(pressed(model, ambient=ambient, **scaled(model, factor)))
+    assert len(found) == bool(words) and all(word in found[0] for word in words)

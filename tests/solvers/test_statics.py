@@ -179,3 +179,20 @@ def test_progress_tells_the_seconds_since_the_analysis_began():
     vfife.simulate(beam(0.5, 1.0), progress=heard.append)
     whole = time.perf_counter() - began
     assert heard and all(0.0 <= one.seconds <= whole for one in heard) and heard[-1].share == 1.0
+
+
+def test_the_displacement_of_a_rigid_body_is_that_of_its_centre_of_mass() -> None:
+    """A lever that turns about its end by a moment M against a torsional spring k: its middle moves by
+    2 (l/2) sin(M/2k).
+    """
+    m = Mechanism("lever")
+    m.point("O", 0.0, 0.0)
+    m.link("lever", length=0.2, mass=1.0)
+    m.revolute("A", "ground.O", "lever.start")
+    m.torsional_spring("s", "ground", "lever", stiffness=10.0, free_angle=0.0)
+    m.moment("M", "lever.end", moment=3.0)
+    settings = dataclasses.replace(m.settings, analysis="static", load_factors=(1.0,))
+    result = vfife.simulate(dataclasses.replace(m, settings=settings))
+    assert result.measures["displacement.max"] == pytest.approx(0.2 * math.sin(0.15), rel=1e-5)
+    moved = result["lever.x"][-1] - result["lever.x"][0], result["lever.y"][-1] - result["lever.y"][0]
+    assert math.hypot(*moved) == pytest.approx(result.measures["displacement.max"], rel=1e-9)

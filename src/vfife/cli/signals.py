@@ -57,6 +57,7 @@ class Ending:
         self.code, self.saved, self.heard = 130, NOT_STARTED, False
         self.grace, self.time = GRACE, -math.inf
         self.last: list[Callable[[], None]] = []
+        self.cautions: list[str] = []  # about the model, which are printed already
 
     @property
     def by(self) -> str:

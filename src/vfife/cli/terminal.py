@@ -100,7 +100,10 @@ def fail(sentence: str, code: int = BAD_INPUT, faults: Sequence[Fault] = (), wor
     """Exit with a sentence and an exit code; with ``--json`` also with an object that contains the status and
     the faults.
     """
-    tell(word, sentence, "bold red" if word == "error" else "bold yellow")
+    news = sentence
+    for caution in ENDING.cautions:
+        news = news.replace(f"{caution} ", "")
+    tell(word, news, "bold red" if word == "error" else "bold yellow")
     print_fault(sentence, code, faults)
     raise typer.Exit(code)
 

@@ -9,9 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import Fault, LawError
 from ..laws.user import load_laws
+from ..model.validation.plausibility import contradictions, suspects
 from ..schema import Measure, Value
 from ..units import assignments, is_bare, unit_fault
 from .options import LengthOptions, ModelOptions
+from .signals import ENDING
+from .terminal import tell
 
 if TYPE_CHECKING:
     from ..model.mechanism import Mechanism
@@ -110,5 +113,16 @@ def with_options(mechanism: Mechanism, options: LengthOptions, **settings: Any) 
 
 
 def mechanism_of(options: ModelOptions) -> Mechanism:
-    """Return the mechanism of the model file with the values of ``--set`` and the laws of ``--laws``."""
-    return read_model(options.model, options.set_, options.laws)
+    """Return the mechanism of the model file with the values of ``--set`` and the laws of ``--laws``, and
+    print the cautions about it, which answers of :func:`read_model` contain.
+    """
+    mechanism = read_model(options.model, options.set_, options.laws)
+    tell_cautions(mechanism)
+    return mechanism
+
+
+def tell_cautions(mechanism: Mechanism) -> None:
+    """Print the cautions about the numbers and connections of a mechanism on standard error."""
+    for caution in (*suspects(mechanism), *contradictions(mechanism)):
+        tell("warning", caution)
+        ENDING.cautions.append(caution)

@@ -25,10 +25,11 @@ class Measured(float):
     ``value`` is the plain number, used wherever a number is expected. ``low`` and ``high`` are the range over
     the run and its companions, or that of the estimated error; ``lowest`` and ``highest`` the extremes over
     the turns that the measure is taken of (:class:`~vfife.measures.repetition.Turns`). If ``estimated`` is
-    False, the error is unknown, and ``low`` and ``high`` equal the value and mean nothing; by default it is
-    True if both are given. ``unique`` is False for a reaction of redundant joints, which rigid bodies do not
-    determine: its value is that of the distribution of least norm, one of infinitely many. ``unit`` is the SI
-    unit, "1" for shares and counts, "" for a measure that is not part of :class:`Measures`.
+    False, the error is unknown, and ``low`` and ``high`` equal the value, or cover the part of the error that
+    is known, as the values of tries with larger steps; by default it is True if both are given. ``unique`` is
+    False for a reaction of redundant joints, which rigid bodies do not determine: its value is that of the
+    distribution of least norm, one of infinitely many. ``unit`` is the SI unit, "1" for shares and counts, ""
+    for a measure that is not part of :class:`Measures`.
     """
 
     low: float

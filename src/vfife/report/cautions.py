@@ -110,6 +110,7 @@ def static_cautions(result: RunData) -> Iterator[str]:
         yield f"The analysis is {record.status}: it reached only the load factors listed here."
     if coarse := static_verdict(result):
         yield coarse
+    yield from suspect_surfaces(record.assembly.mechanism)
     yield from clearances_at_rest(record.assembly.mechanism)
     displacements = [entry["displacement"] for entry in equilibria(record)]
     steps = np.diff(displacements)

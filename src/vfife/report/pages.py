@@ -117,8 +117,9 @@ def run_document(
 
 
 def cautions_of_run(summary: dict[str, Any]) -> list[str]:
-    """Return all cautions that the answer of a run shows; none of a static analysis."""
-    return [] if summary["run"].get("analysis") == "static" else list(cautions(summary))
+    """Return all cautions that the answer of a run shows; of a static analysis those about the model."""
+    static = summary["run"].get("analysis") == "static"
+    return list(summary["run"]["notes"] if static else cautions(summary))
 
 
 def findings(summary: dict[str, Any]) -> list[Part]:

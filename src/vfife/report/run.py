@@ -63,7 +63,7 @@ def document(summary: Json, limit: int = FACTORS) -> Document:
     model, run = summary["model"], summary["run"]
     title = [Paragraph(model["name"], style="strong"), *paragraphs([model["note"]], style="aside")]
     if run.get("analysis") == "static":
-        warnings = [Caution(text) for text in summary["warnings"]]
+        warnings = [Caution(text) for text in (*summary["warnings"], *run["notes"])]
         return Document([*title, *equilibria(summary, limit), *warnings])
     leading = verdict(summary)
     title += paragraphs([leading], style="alarm")
@@ -328,7 +328,7 @@ def equilibria(summary: Json, limit: int = FACTORS) -> list[Part]:
         if name not in EXACT
     ]
     parts: list[Part] = [
-        *paragraphs([done, *run["notes"]]),
+        Paragraph(done),
         noted(
             Table.numeric(heads, rows, "Equilibria, reactions on the journals", texts=0),
             _omitted_factors(factors, shown, limit),

@@ -23,7 +23,7 @@ from ..measures.zero_limits import about_zero
 from ..model.bodies import Link
 from ..model.joints import Contact
 from ..model.surfaces import body_of, law_facts, surface_facts, surfaces
-from ..model.validation.plausibility import suspect_surfaces
+from ..model.validation.plausibility import clearances_at_rest, suspect_surfaces
 from ..model.wear import deepest
 from ..solvers.record import Record
 from ..solvers.refinement import worth_other_meshes, worth_refining
@@ -41,6 +41,7 @@ from .trust import over_several_turns, trust_summary, turns_summary, verdict
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from ..model.mechanism import Mechanism
     from ..results.run_data import RunData
 
 Json = dict[str, Any]
@@ -251,10 +252,14 @@ def _transient_run(result: RunData) -> Json:
         "stable_step": choice.stable if choice.stable < float("inf") else None,
         "set_by": choice.culprit,
         **({"steps_planned": choice.steps} if record.status == "interrupted" else {}),
-        # Those of radii and clearances are the first cautions.
-        "notes": [note for note in record.assembly.notes if note not in suspect_surfaces(mechanism)],
+        "notes": [note for note in record.assembly.notes if note not in _leading_notes(mechanism)],
         **({"reached": reached} if choice.turn is None and (reached := _reached_speeds(record)) else {}),
     }
+
+
+def _leading_notes(mechanism: Mechanism) -> tuple[str, ...]:
+    """Return the notes that are among the cautions already."""
+    return (*suspect_surfaces(mechanism), *clearances_at_rest(mechanism))
 
 
 def _reached_speeds(record: Record) -> dict[str, Json]:
@@ -271,7 +276,8 @@ def _reached_speeds(record: Record) -> dict[str, Json]:
 
 
 def _static_run(result: RunData) -> Json:
-    record, settings = result.record, result.record.assembly.mechanism.settings
+    record, mechanism = result.record, result.record.assembly.mechanism
+    settings = mechanism.settings
     return {
         "analysis": "static",
         "loop": record.loop,
@@ -281,7 +287,7 @@ def _static_run(result: RunData) -> Json:
         "residual": settings.residual,
         "long": not worth_other_meshes(record.assembly),
         "factors": equilibria(record),
-        "notes": list(record.assembly.notes),
+        "notes": [note for note in record.assembly.notes if note not in _leading_notes(mechanism)],
     }
 
 

@@ -301,9 +301,10 @@ class StaticStart:
     mechanism: Mechanism
 
     def assemble(self, step: float | str | None = None) -> Assembly:
-        """Return the assembled mechanism."""
+        """Return the assembled mechanism, with the cautions of a dynamic run about its numbers."""
         del step
-        return assemble(self.mechanism)
+        assembly = assemble(self.mechanism)
+        return dataclasses.replace(assembly, notes=(*assembly.notes, *outlook(self.mechanism).notes))
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,7 @@ from ...solvers.companions import companion_count
 from ...solvers.transient import choose_loop
 from ..arguments.models import CheckOptions
 from ..terminal import answer, sentences
-from ..values import mechanism_of, overrides, with_options
+from ..values import overrides, read_model, with_options
 
 
 def check(options: CheckOptions) -> None:
@@ -46,7 +46,7 @@ def check(options: CheckOptions) -> None:
 
 def examine(options: CheckOptions) -> dict[str, Any]:
     """Everything that is known before a run."""
-    mechanism = with_options(mechanism_of(options), options)
+    mechanism = with_options(read_model(options.model, options.set_, options.laws), options)
     facts = examination(mechanism, options.force_step)
     assembly, expected = facts.assembly, facts.expected
     choice, refined = assembly.choice, repeated(assembly, mechanism.settings.companions)

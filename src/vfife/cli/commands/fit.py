@@ -23,7 +23,7 @@ from ..job import CommandJob
 from ..outputs import answer_file
 from ..signals import ENDING
 from ..terminal import end_interrupted, sentences, writing
-from ..values import overrides, read_model, take_laws, value_of_option
+from ..values import overrides, read_model, take_laws, tell_cautions, value_of_option
 
 # Options that say what is fitted, which a fit plan and a fit file say themselves.
 TASK = ("parameter", "own", "column", "weight", "offset", "width", "step", "set_")
@@ -43,6 +43,7 @@ def fit(options: FitOptions) -> None:
             result = fit_of_law(options, options.law)
         else:
             place, task = place_of(options), task_of(options)
+            tell_cautions(task.mechanism)
             job = CommandJob("fit", place, options)
             with job.at_work(str(place)):
                 forecast = task.forecast(place, options.force)

@@ -120,6 +120,15 @@ MEASURE_WORDS = {
     "noise knock": ("approach_speed.max", "impacts", "impact_power.mean"),
     "top bottom dead centre center tdc bdc stroke end travel slider": ("position.low", "position.high"),
 }
+# Measures that only a static analysis has: what they are, and words that find them.
+STATIC_MEASURES = {
+    "displacement.max": (
+        "in a static analysis, largest distance from the start of the centre of mass of a rigid body, of the"
+        " ends of a two-particle link and of the nodes of an elastic body, in m",
+        "deflection sag shift statics verschiebung",
+    ),
+    "unbalanced.max": ("in a static analysis, largest unbalanced force over the largest force, a number", ""),
+}
 # German words of the field, without accents, and what they are called here.
 GERMAN = dict(
     re.findall(
@@ -237,7 +246,9 @@ def laws() -> Iterator[Topic]:
 
 
 def measures() -> Iterator[Topic]:
-    """Yield all measures of a run by the endings of their names."""
+    """Yield all measures of a run by the endings of their names, and those of a static analysis."""
+    for name, (text, words) in STATIC_MEASURES.items():
+        yield Topic("measure", name, text, words)
     for ending, unit in UNITS.items():
         words = next((words for words, endings in MEASURE_WORDS.items() if ending in endings), "")
         quantity, _, statistic = ending.rpartition(".")

@@ -42,7 +42,7 @@ from ..terminal import (
     tell,
     writing,
 )
-from ..values import mechanism_of, positive, take_laws, with_options
+from ..values import positive, read_model, take_laws, with_options
 
 if TYPE_CHECKING:
     from ...model.mechanism import Mechanism
@@ -71,7 +71,10 @@ def run(options: NewRunOptions) -> None:
     model, folder = options.model, options.folder
     with sentences(str(model)):
         mechanism = with_options(
-            mechanism_of(options), options, outputs=options.outputs, settle=options.settle
+            read_model(options.model, options.set_, options.laws),
+            options,
+            outputs=options.outputs,
+            settle=options.settle,
         )
         former_run = folder if folder is not None else Path("runs") / model.stem
         if options.resume and is_run_file(former_run / "run.sqlite"):

@@ -46,7 +46,7 @@ from ..job import CommandJob, study_job
 from ..options import ResourceOptions, StudyRunOptions
 from ..outputs import one_target, refuse_ending, refuse_existing
 from ..terminal import DIVERGED, amount_of_bytes, command, end_interrupted, sentences, tell, writing
-from ..values import take_laws
+from ..values import take_laws, tell_cautions
 
 UNMET = 3  # exit code where nothing keeps the limits
 
@@ -82,6 +82,8 @@ def run_search(options: StudyRunOptions, search: Callable[..., Any]) -> Any:
     with sentences(str(options.file)):
         take_laws(options.laws)
         job = study_job(options, "search")
+        if (model := StudyTables.load(options.file).model) is not None:
+            tell_cautions(model)
     keys = {name: getattr(options, name) for name in ("force", "workers", "cluster", "device")}
     try:
         with job.at_work(str(options.file)):
@@ -143,6 +145,7 @@ def compute(
     lock: Lock | None = None,
 ) -> None:
     """Compute what a study lacks; describe it, and end with the exit code of that."""
+    tell_cautions(work.plan.base)
     with job.at_work(str(options.file)):
         result, complete = work.run(job, options.retry, lock)
     options.answer(document(result))

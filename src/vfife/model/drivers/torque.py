@@ -98,4 +98,5 @@ class Torque(Driver):
         )
         if isinstance(self.value, int | float):
             return f"{quantity_name} {self.value:.6g} {newton}"
-        return f"table of {len(self.value)} {quantity_name}s{argument_text}"
+        span = f"{min(self.value):.6g} to {max(self.value):.6g} {newton}"
+        return f"table of {len(self.value)} {quantity_name}s{argument_text}, {span}"

@@ -271,7 +271,7 @@ def _sections(mechanism: Mechanism) -> Iterator[str]:
         if isinstance(body, Link) and body.section is not None:
             yield from _suspect_section(f"body.{name}.section", body.section, body.path_length)
         if isinstance(body, Frame):
-            length = _extent(body)
+            length = extent(body)
             sections = [body.section, *(member.section for member in body.members)]
             for section in dict.fromkeys(section for section in sections if section is not None):
                 yield from _suspect_section(f"body.{name}.section", section, length)
@@ -390,7 +390,7 @@ def suspect_radii(mechanism: Mechanism) -> Iterator[str]:
     links of machines if these have no size.
     """
     sizes = {name: joint.bearing_radius for name, joint in mechanism.clearances.items()}
-    largest = max(_extents(mechanism), default=0.0) if sizes else 0.0
+    largest = max(extents_of(mechanism), default=0.0) if sizes else 0.0
     for name, size in sizes.items():
         if size > (largest or LONG):
             bodies = f"the largest distance of two points of a body, {1e3 * largest:.4g} mm"
@@ -401,7 +401,7 @@ def suspect_radii(mechanism: Mechanism) -> Iterator[str]:
             )
 
 
-def _extents(mechanism: Mechanism) -> Iterator[float]:
+def extents_of(mechanism: Mechanism) -> Iterator[float]:
     """Yield the diagonals (m) of the rectangles around the points of each body, and of the ground."""
     for points in (mechanism.points, *(body.points for body in mechanism.bodies.values())):
         if len(points) > 1:
@@ -415,7 +415,7 @@ def suspect_inertias(mechanism: Mechanism) -> Iterator[str]:
     ends = ({end.partition(".")[0] for end in pair} for pair in connections(mechanism))
     hung = {name for pair in ends if "ground" in pair for name in pair}
     highest = dict.fromkeys(hung, GYRATION[1]) | dict.fromkeys(mechanism.drivers, GYRATION_OF_DRIVEN)
-    too_long, largest = _links_in_metres(mechanism), max(_extents(mechanism), default=0.0)
+    too_long, largest = _links_in_metres(mechanism), max(extents_of(mechanism), default=0.0)
     for name, body in mechanism.bodies.items():
         if not isinstance(body, Link | RigidBody) or name in too_long:
             continue
@@ -430,13 +430,13 @@ def suspect_inertias(mechanism: Mechanism) -> Iterator[str]:
         for end in ("start", "end") if isinstance(body, Link) else ():
             inertia = getattr(body, f"{end}_inertia")
             mass = (body.mass or 0.0) + getattr(body, f"{end}_mass")
-            path, size = f"body.{name}.{end}_inertia", _extent(body)
+            path, size = f"body.{name}.{end}_inertia", extent(body)
             yield from _suspect_inertia(path, inertia, mass, size, (0.0, GYRATION_OF_DRIVEN)) if mass else ()
 
 
 def _gyration_size(body: Link | RigidBody, on_ground: bool) -> float:
     """Return the size (m) with which a radius of gyration is compared; 0 of a body with a single place."""
-    size = _extent(body)
+    size = extent(body)
     if size and not on_ground:
         return size
     return body.length if isinstance(body, Link) else max(map(_radius, body.pins.values()), default=0.0)
@@ -454,7 +454,7 @@ def _suspect_inertia(
         )
 
 
-def _extent(body: Link | RigidBody | Frame) -> float:
+def extent(body: Link | RigidBody | Frame) -> float:
     """Return the largest distance between two points of a body (m), 0 of one with a single point."""
     if isinstance(body, Link):
         return body.length

@@ -9,12 +9,17 @@ from collections.abc import Iterator, Mapping
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
-from ...numerics.scalar import cos, distance, sin
+from ...numerics.scalar import cos, distance, hypot, sin
 from ...units import in_rpm
-from ..bodies import Frame, Link, PointMass
+from ..bodies import Frame, Link, PointMass, RigidBody
+from ..drivers import Torque
+from ..loads import GuideForce
+from ..springs import Spring
 from .checks import connections, neighbours_of, reached
 from .magnitudes import (
     OUT_OF_SCALE,
+    extent,
+    extents_of,
     suspect_constants,
     suspect_inertias,
     suspect_lengths,
@@ -32,7 +37,12 @@ LEAST_OFFSET = 1e-6  # of a clearance: less is rounding of a place in the middle
 HIGH_FRICTION = 2.0  # rubber on dry concrete has about 1
 VACUUM = 0.2  # of the ambient pressure
 NEAR_VACUUM = 0.01  # of the ambient pressure: 10 mbar, which no piston reaches
+FAINT = 1e3  # Pa, below all pressures of machines; numbers of bar and MPa are
 MANY_TURNS = 10.0
+SEVERE_WEAR = 3e-11  # 1/Pa: K = 7e-3 over 0.3 GPa; numbers of mm^3/(N m) are above
+# Times what accelerates masses to the highest speed of a motor's curve within a radian and moves all loads:
+# more torque reaches that speed within a degree. One in N mm taken for N m is a factor of a thousand.
+STRONG = 30.0
 HEAVY = 300.0  # times the median of the other masses; grams taken for kilograms: 1000
 LOOSE = 0.2  # of the bearing's radius, or of the block's height: clearances of machines are below 0.05
 MOST_TILT = math.radians(5.0)  # of a block in its guide; those of machines turn by 1 degree or less
@@ -59,6 +69,8 @@ def suspect_sizes(mechanism: Mechanism) -> tuple[str, ...]:
         *_positions(mechanism),
         *_frictions(mechanism),
         *_pressures(mechanism),
+        *_wears(mechanism),
+        *_torques(mechanism),
         *_masses(mechanism),
         *suspect_velocities(mechanism),
         *suspect_constants(mechanism),
@@ -140,8 +152,16 @@ def _pressures(mechanism: Mechanism) -> Iterator[str]:
     angles may be in degrees.
     """
     for name, load in mechanism.loads.items():
-        if load.ambient_pressure > 0.0:
-            yield from _suspect_pressure(name, load.ambient_pressure, *_pressure_bounds(load))
+        pressed = isinstance(load, GuideForce) and load.pressed
+        lowest, highest = _pressure_bounds(load) if pressed else (0.0, 0.0)
+        largest = max(highest, -lowest)
+        if 0.0 < largest < FAINT and load.ambient_pressure < FAINT:
+            yield (
+                f"The pressure of load.{name} never exceeds {largest:.4g} Pa, below the pressures of"
+                f" machines: is it {largest:.4g} bar? Numbers without a unit are Pa."
+            )
+        elif load.ambient_pressure > 0.0:
+            yield from _suspect_pressure(name, load.ambient_pressure, lowest, highest)
         angles = load.places if load.axis == "angles" else ()
         if len(angles) > 1 and angles[-1] - angles[0] > MANY_TURNS * FULL_TURN:
             turns = (angles[-1] - angles[0]) / FULL_TURN
@@ -166,9 +186,15 @@ def _pressure_bounds(load: Load) -> tuple[float, float]:
 
 def _suspect_pressure(name: str, ambient: float, lowest: float, highest: float) -> Iterator[str]:
     """Caution about pressures of a load between ``lowest`` and ``highest`` (Pa) that all stay far below the
-    ``ambient`` one, as of kPa taken for bar, and about gauge pressures, from which none is to be subtracted.
+    ``ambient`` one, as of kPa taken for bar, about an ambient one in bar, and about gauge pressures, from
+    which none is to be subtracted.
     """
-    if 0.0 <= highest < VACUUM * ambient:
+    if ambient < FAINT:
+        yield (
+            f"load.{name}.ambient is {ambient:.4g} Pa, below the pressures of machines: is it {ambient:.4g}"
+            " bar? Numbers without a unit are Pa."
+        )
+    elif 0.0 <= highest < VACUUM * ambient:
         yield (
             f"The pressure of load.{name} never exceeds {highest:.4g} Pa, far below the ambient"
             f" {ambient:.4g} Pa: check its unit, or whether it is a gauge pressure."
@@ -180,6 +206,71 @@ def _suspect_pressure(name: str, ambient: float, lowest: float, highest: float) 
             f" {1e-5 * ambient:.4g} bar, is subtracted from absolute pressures. For gauge pressure set"
             ' ambient = "0 bar".'
         )
+
+
+def _wears(mechanism: Mechanism) -> Iterator[str]:
+    """Caution about wear coefficients of no pair of materials: numbers in mm^3/(N m)."""
+    for name, joint in mechanism.contacts.items():
+        for side in ("bearing", "journal"):
+            coefficient = getattr(joint.wear, side, 0.0)
+            if isinstance(coefficient, float) and coefficient > SEVERE_WEAR:
+                yield (
+                    f"joint.{name}.wear.{side} is {coefficient:.4g} 1/Pa, more than of any pair (dry mild"
+                    f" steel has 6e-12): is it {coefficient:.4g} mm^3/(N m)? Numbers without a unit"
+                    " are 1/Pa."
+                )
+
+
+def _torques(mechanism: Mechanism) -> Iterator[str]:
+    """Caution about curves of motors that are far too strong for masses, weights, loads and springs: torques
+    in N mm. Ratios of gears and masses of frames are not known here.
+    """
+    if mechanism.gears or any(isinstance(body, Frame) for body in mechanism.bodies.values()):
+        return
+    for name, driver in mechanism.drivers.items():
+        if not isinstance(driver, Torque) or driver.is_linear or not driver.speeds:
+            continue
+        values = driver.value if isinstance(driver.value, tuple) else (driver.value,)
+        torque, speed = max(map(abs, values)), max(map(abs, driver.speeds))
+        usual = _usual_torque(mechanism, driver.body or name, speed)
+        if usual > 0.0 and torque > STRONG * usual:
+            yield (
+                f"driver.{name}.torque reaches {torque:.6g} N m, {torque / usual:,.0f} times what accelerates"
+                f" the masses to {speed:.4g} rad/s within a radian, with all loads: is it {torque:.6g} N mm?"
+                " Numbers without a unit are N m."
+            )
+
+
+def _usual_torque(mechanism: Mechanism, driven: str, speed: float) -> float:
+    """Return the torque (N m) on the ``driven`` body that accelerates the masses at its radius to ``speed``
+    (rad/s) within a radian, against their weight, loads and springs; 0 without a radius.
+    """
+    size = max(extents_of(mechanism), default=0.0)
+    crank = mechanism.bodies[driven]
+    radius = (extent(crank) if isinstance(crank, Link | RigidBody) else 0.0) or size
+    mass = inertia = 0.0
+    for body in mechanism.bodies.values():
+        body_mass = body.own_mass if isinstance(body, Link) else getattr(body, "mass", None)
+        mass += (body_mass or 0.0) + sum(getattr(body, f"{end}_mass", 0.0) for end in ("start", "end"))
+        keys = "inertia", "start_inertia", "end_inertia"
+        inertia += sum(getattr(body, key, None) or 0.0 for key in keys)
+    torque = (inertia + mass * radius * radius) * speed * speed + mass * hypot(*mechanism.gravity) * radius
+    for load in mechanism.loads.values():
+        largest = max(map(abs, load.bounds))
+        for push in load.pushes(mechanism.joints):
+            torque += largest * (hypot(*push.acts[:2]) * size + abs(push.acts[2]))
+    for spring in mechanism.springs.values():
+        stiffness = max(_flat(getattr(spring, "stiffness", 0.0)))
+        damping = max(_flat(getattr(spring, "damping", 0.0)))
+        if isinstance(spring, Spring):
+            torque += stiffness * size * radius + damping * speed * radius * radius
+        else:
+            torque += FULL_TURN * stiffness + damping * speed
+    return torque if size else 0.0
+
+
+def _flat(value: float | tuple[float, ...]) -> tuple[float, ...]:
+    return value if isinstance(value, tuple) else (value,)
 
 
 def _masses(mechanism: Mechanism) -> Iterator[str]:

@@ -78,6 +78,12 @@ class StudyTables:
         raw = raw_of(text_of(path, "study file"), str(path), "study file")
         return cls(raw, str(path), path.parent, None, path.stem)
 
+    @property
+    def model(self) -> Mechanism | None:
+        """The model with the numbers of ``[set]``, as far as it can be read; None for one with faults."""
+        spec = StudyReader().table((), StudySpec, self.raw, (VARY, POINT, *METHOD_TABLES))
+        return base_model(spec, self.folder, self.base, [])
+
     def plan(self) -> Plan:
         """Return the plan, of the model with the numbers of ``[set]``. Raises ModelError with every fault of
         both.
