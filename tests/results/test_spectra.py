@@ -134,9 +134,9 @@ def test_the_band_of_an_envelope_ends_at_half_the_output_rate(run):
     """The series has no higher frequencies; the answer, the title of the figure and the command say so."""
     half = 0.5 / float(np.diff(run.series["C.force"].time.values[-2:])[0])
     found, whole = (run.envelope("C.force", band=(0.1 * half, end)) for end in (9.0 * half, half))
-    assert found.band == pytest.approx((0.1 * half, half)) and found.asked == 9.0 * half
+    assert found.band == pytest.approx((0.1 * half, half)) and found.request == 9.0 * half
     assert f"to {half:g} Hz (half the sampling rate; {9.0 * half:g} Hz asked for)" in found.words
-    assert whole.asked is None and "asked" not in whole.words
+    assert whole.request is None and "asked" not in whole.words
     assert np.array_equal(found.values, whole.values)
     assert any("asked for" in getattr(part, "text", "") for part in spectra([found], "run").parts)
 

@@ -207,14 +207,11 @@ def _transients(result: Basins) -> list[str]:
     numbers = [str(k + 1) for k in result.transients]
     if not numbers:
         return []
-    several = len(numbers) > 1
-    subject, what = (
-        f"Motion{'s' * several} {and_words(numbers)}",
-        "transients" if several else "a transient",
-    )
+    plural = len(numbers) > 1
+    subject, noun = (f"Motion{'s' * plural} {and_words(numbers)}", "transients" if plural else "a transient")
     return [
-        f"{subject} of this table may be {what} near an unstable motion, because a small difference decays in"
-        f" none of {'their' if several else 'its'} starts: take more turns."
+        f"{subject} of this table may be {noun} near an unstable motion, because a small difference decays in"
+        f" none of {'their' if plural else 'its'} starts: take more turns."
     ]
 
 

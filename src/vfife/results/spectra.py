@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from .run_data import RunData
 
 Array = NDArray[np.float64]
-SAME = 1e-9  # relative difference below which two frequencies are equal
+EQUAL = 1e-9  # relative difference below which two frequencies are equal
 PARTS = 16  # windows side by side in a spectrogram
 
 
@@ -142,7 +142,7 @@ class Envelope(DataTable):
     ``times`` (s); all shape (samples,).
 
     The mean is subtracted first. ``spectrum``: that of the envelope, which shows how often the vibration is
-    excited. ``asked``: the highest frequency (Hz) that was asked for, if ``band`` ends at half the sampling
+    excited. ``request``: the highest frequency (Hz) that was asked for, if ``band`` ends at half the sampling
     rate instead.
     """
 
@@ -153,13 +153,13 @@ class Envelope(DataTable):
     values: Array = field(repr=False)
     filtered: Array = field(repr=False)
     spectrum: Spectrum
-    asked: float | None = None
+    request: float | None = None
 
     @property
     def words(self) -> str:
         """Description of band and resolution."""
         band = "all frequencies" if self.band is None else f"{self.band[0]:g} to {self.band[1]:g} Hz"
-        cut = "" if self.asked is None else f" (half the sampling rate; {self.asked:g} Hz asked for)"
+        cut = "" if self.request is None else f" (half the sampling rate; {self.request:g} Hz asked for)"
         return f"{band}{cut}; {self.spectrum.words}"
 
     def table(self) -> Iterator[Sequence[Any]]:
@@ -268,9 +268,9 @@ def envelope(
     """
     series = spectral.windows_of(np.asarray(values, dtype=float), spacing, None, 0.0, np.size(values)).values
     signal = spectral.analytic(series, spacing, band)
-    asked, highest = None, 0.5 / spacing
-    if band is not None and band[1] > highest * (1.0 + SAME):
-        band, asked = (band[0], highest), float(band[1])
+    request, highest = None, 0.5 / spacing
+    if band is not None and band[1] > highest * (1.0 + EQUAL):
+        band, request = (band[0], highest), float(band[1])
     size, name, unit = np.abs(signal), label.get("name", ""), label.get("unit", "")
     of_envelope = spectrum(
         size, spacing, turn=label.get("turn"), name=f"envelope of {name}".strip(), unit=unit
@@ -284,7 +284,7 @@ def envelope(
         values=size,
         filtered=np.asarray(signal.real),
         spectrum=of_envelope,
-        asked=asked,
+        request=request,
     )
 
 
