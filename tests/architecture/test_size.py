@@ -14,9 +14,9 @@ from architecture.size import Size, size_of, sizes, tokens
 
 LIMITS = Size(
     files=507,
-    code=72_000,
-    tokens=725_500,
-    import_lines=7_050,
+    code=72_600,
+    tokens=729_000,
+    import_lines=7_120,
     inner_imports=101,
     many_arguments=10,
     tuples=28,
