@@ -12,9 +12,6 @@ from typing import TYPE_CHECKING, Any
 from ...numerics.scalar import cos, distance, hypot, sin
 from ...units import in_rpm
 from ..bodies import Frame, Link, PointMass, RigidBody
-from ..drivers import Torque
-from ..loads import GuideForce
-from ..springs import Spring
 from .checks import connections, neighbours_of, reached
 from .magnitudes import (
     OUT_OF_SCALE,
@@ -152,7 +149,7 @@ def _pressures(mechanism: Mechanism) -> Iterator[str]:
     angles may be in degrees.
     """
     for name, load in mechanism.loads.items():
-        pressed = isinstance(load, GuideForce) and load.pressed
+        pressed = getattr(load, "pressed", False)
         lowest, highest = _pressure_bounds(load) if pressed else (0.0, 0.0)
         largest = max(highest, -lowest)
         if 0.0 < largest < FAINT and load.ambient_pressure < FAINT:
@@ -228,10 +225,11 @@ def _torques(mechanism: Mechanism) -> Iterator[str]:
     if mechanism.gears or any(isinstance(body, Frame) for body in mechanism.bodies.values()):
         return
     for name, driver in mechanism.drivers.items():
-        if not isinstance(driver, Torque) or driver.is_linear or not driver.speeds:
+        speeds = getattr(driver, "speeds", None)
+        if driver.is_linear or not speeds:
             continue
-        values = driver.value if isinstance(driver.value, tuple) else (driver.value,)
-        torque, speed = max(map(abs, values)), max(map(abs, driver.speeds))
+        values = _flat(getattr(driver, "value", 0.0))
+        torque, speed = max(map(abs, values)), max(map(abs, speeds))
         usual = _usual_torque(mechanism, driver.body or name, speed)
         if usual > 0.0 and torque > STRONG * usual:
             yield (
@@ -262,7 +260,7 @@ def _usual_torque(mechanism: Mechanism, driven: str, speed: float) -> float:
     for spring in mechanism.springs.values():
         stiffness = max(_flat(getattr(spring, "stiffness", 0.0)))
         damping = max(_flat(getattr(spring, "damping", 0.0)))
-        if isinstance(spring, Spring):
+        if hasattr(spring, "free_length"):
             torque += stiffness * size * radius + damping * speed * radius * radius
         else:
             torque += FULL_TURN * stiffness + damping * speed
