@@ -133,8 +133,11 @@ def test_means_of_turns_have_the_error_of_the_same_turns() -> None:
     for name, true in values_of(truth.record, result.record).items():
         one = result.measures[name]
         assert one.estimated and one.low - 1e-9 * abs(true) <= true <= one.high + 1e-9 * abs(true), name
-        # The load on the ground is known at sixty outputs a turn, and its range holds what lies between them.
-        assert one.width <= (0.1 if name.startswith("ground.") else 0.05) * abs(one), name
+        # The load on the ground, the energy and the torque are known at sixty outputs a turn, and their ranges
+        # hold what lies between them; of the rms torque as if it were the largest rise everywhere.
+        coarse = name.startswith("ground.") or name.endswith(".energy_fluctuation")
+        limit = 0.1 if coarse else 0.3 if name.endswith(".torque.rms") else 0.05
+        assert one.width <= limit * abs(one), name
     assert result.measures["crank.power.mean"] > 1.0
 
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import Fault, LawError
 from ..laws.user import load_laws
-from ..model.validation.plausibility import contradictions, suspects
 from ..schema import Measure, Value
 from ..units import assignments, is_bare, unit_fault
 from .options import LengthOptions, ModelOptions
@@ -123,6 +122,8 @@ def mechanism_of(options: ModelOptions) -> Mechanism:
 
 def tell_cautions(mechanism: Mechanism) -> None:
     """Print the cautions about the numbers and connections of a mechanism on standard error."""
+    from ..model.validation.plausibility import contradictions, suspects
+
     for caution in (*suspects(mechanism), *contradictions(mechanism)):
         tell("warning", caution)
         ENDING.cautions.append(caution)
