@@ -70,8 +70,8 @@ def largest_sentence(design: Design) -> str:
         f"{prefixed(size, 'm')} in {name}" for name, size in design.clearances_of_largest.items()
     )
     return (
-        f"It is largest with {clearances}: vfife run with these clearances has the cautions about contact"
-        " laws, pressures and whirl, which machines do not have."
+        f"It is largest with {clearances}. Machines have no cautions about contact laws, pressures and"
+        " whirl: vfife run with these clearances has them."
     )
 
 
