@@ -115,6 +115,22 @@ def missed(curve: Array) -> float:
     return SAFETY * bend / 8.0
 
 
+def missed_in_mean_square(curve: Array) -> float:
+    """Return how far the root mean square of the outputs of a curve may be from that of the curve; infinite
+    if they do not resolve it.
+
+    By Minkowski's inequality, the root mean squares of a curve and of its chords differ by no more than that
+    of the difference of both, which is known interval by interval from second differences. The mean square of
+    the chords is less than that of the outputs by a sixth of that of the rises.
+    """
+    size = math.sqrt(float((curve * curve).mean()))
+    if not size or not (largest := missed(curve)) or not math.isfinite(largest):
+        return largest if size else 0.0
+    rises, bends = np.diff(curve), np.pad(np.abs(np.diff(curve, 2)), 1, "edge")
+    gaps = SAFETY / 8.0 * _larger_end(bends)
+    return math.sqrt(float((gaps * gaps).mean())) + float((rises * rises).mean()) / (6.0 * size)
+
+
 def _second_difference(curve: Array, shift: int) -> float:
     """Return the largest second difference over ``shift`` outputs to both sides."""
     return float(np.abs(curve[2 * shift :] - 2.0 * curve[shift:-shift] + curve[: -2 * shift]).max())
@@ -133,10 +149,7 @@ def _drives(record: Record) -> dict[str, float]:
         torque = record.block("driven_torque")[:, body.driven]
         mean, error = abs(float(torque.mean())), missed(torque)
         errors[f"{name}.torque.ripple"] = 2.0 * error / mean if mean > 0.0 else math.inf
-        # The mean square of chords is less than that of the outputs by a sixth of that of their rises.
-        rises = np.diff(torque)
-        squares, rise = (float((values * values).mean()) for values in (torque, rises))
-        errors[f"{name}.torque.rms"] = error + rise / (6.0 * math.sqrt(squares)) if squares > 0.0 else 0.0
+        errors[f"{name}.torque.rms"] = missed_in_mean_square(torque)
         if all(record.keeps(f"driven_{block}") for block in ("work", "power")):
             work, power = (record.block(f"driven_{block}")[:, body.driven] for block in ("work", "power"))
             fluctuating = work - half * power
