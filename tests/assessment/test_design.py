@@ -121,7 +121,7 @@ def test_the_answer_says_how_machines_are_distributed_and_what_happens_at_the_li
     spot = [{"joint.pin.clearance": size}]
     ((_, outcome),) = run_cases(loose_pin(), spot, spec)
     assert outcome.values[found.measure] == pytest.approx(max(every), rel=1e-9)
-    assert f"It is largest with {prefixed(size, 'm')} in pin: vfife run with these clearances has" in whole
+    assert f"It is largest with {prefixed(size, 'm')} in pin. Machines have no cautions about" in whole
     page = document(found, "my pump.toml")
     command = f"vfife run 'my pump.toml' --turns 1 --set 'joint.pin.clearance={1e6 * size:.6g} um'"
     assert any(text.startswith(command) for text in page.parts[0].parts[-1].parts[0].texts)
