@@ -44,7 +44,7 @@ demo: $(VENV)/.runtime  ## what clearance costs an air compressor in force, ener
 	@echo "Next: $(VENV)/bin/vfife run examples/compressor.toml --set joint.small-end.clearance=\"50 um\" -o runs/mine --figures"
 	@echo "      $(VENV)/bin/vfife new compressor -o mine.toml    $(VENV)/bin/vfife run examples/four_bar.toml (the paper's four-bar)"
 
-test: $(VENV)/.test  ## run the tests of every idea, in two minutes (PYTEST="-k name" narrows it)
+test: $(VENV)/.test  ## run the tests of every idea, about four minutes on two cores (PYTEST="-k name" narrows it)
 	@command -v chromium >/dev/null || echo "No chromium here: tests of pages in a browser are skipped (on Debian: apt-get install chromium)."
 	@$(PYTHON) -m pytest $(XDIST) $(PYTEST)
 
