@@ -285,8 +285,8 @@ def run_cost(
     )  # fmt: skip
     if assembly.mechanism.settings.analysis != "static" or not refined:
         halves = (companions > 0 or refined) and assembly.choice.automatic
-        once = seconds - (REFINED if refined else 1.0) * recording
-        cost = _with_spread(cost, once, companions > 0, measured, halves)
+        step_seconds = seconds - (REFINED if refined else 1.0) * recording
+        cost = _with_spread(cost, step_seconds, companions > 0, measured, halves)
     share = sampled_share(assembly) if measured else None
     if share is None:
         return cost

@@ -169,8 +169,8 @@ class Differences:
         squared size of the kind, and the relative noise of each kind: those of ``SAMPLED``, then the
         accelerations of elastic nodes.
         """
-        own = self.own.reshape(len(self.own), len(SAMPLED), -1)
-        largest = np.abs(own).max(axis=(0, 2), initial=0.0)
+        numbers = self.own.reshape(len(self.own), len(SAMPLED), -1)
+        largest = np.abs(numbers).max(axis=(0, 2), initial=0.0)
         size, turn, push = max(*largest[:2], TINY), max(largest[2], 1.0), max(*largest[3:5], TINY)
         spin = max(largest[5], push / size)
         rounding = (
@@ -180,38 +180,38 @@ class Differences:
         noise = np.array([EXACT * size, EXACT * size, EXACT * turn, *[rounding * size] * 2, rounding * turn])
         noise = np.append(noise, noise[3:])
         squares = self.squares.reshape(PARTS, 2, len(SAMPLED), -1)
-        others = squares[..., ~self.nodes].sum(axis=3) if self.nodes.any() else squares.sum(axis=3)
+        sums = squares[..., ~self.nodes].sum(axis=3) if self.nodes.any() else squares.sum(axis=3)
         waves = np.zeros((PARTS, 2, 3))
         if self.nodes.any():
-            moved = (own[:, :3].max(axis=0) - own[:, :3].min(axis=0)).max(axis=1)
+            moved = (numbers[:, :3].max(axis=0) - numbers[:, :3].min(axis=0)).max(axis=1)
             way = max(*moved[:2], TINY)
             scale[:3] = way, way, max(moved[2], way / size)
-            others[:, :, :3] = squares[:, :, :3].sum(axis=3)
-            nodal = self._nodal_scales(own)
+            sums[:, :, :3] = squares[:, :, :3].sum(axis=3)
+            nodal = self._nodal_scales(numbers)
             waves = (squares[:, :, 3:, self.nodes] / (nodal * nodal)).sum(axis=3)
             noise[len(SAMPLED) :] /= nodal.min(axis=1)
         noise /= scale
-        both = np.concatenate([others, waves], axis=2) / (scale * scale)
-        both /= np.maximum(self.counts, 1.0)[:, None, None]
-        return both[:, 0], both[:, 1], noise
+        shares = np.concatenate([sums, waves], axis=2) / (scale * scale)
+        shares /= np.maximum(self.counts, 1.0)[:, None, None]
+        return shares[:, 0], shares[:, 1], noise
 
-    def _nodal_scales(self, own: Array) -> Array:
+    def _nodal_scales(self, numbers: Array) -> Array:
         """Return the scales of the accelerations of elastic nodes, shape (kinds, nodes): those that the
         forces of the whole mechanism would give each.
 
         No step near the stable limit resolves waves in the shortest elements, and each step has others. The
         nodes that they move are light, so their accelerations weigh as much as their forces.
         """
-        assembly, known = self.assembly, scales(self.assembly)
+        assembly, scale = self.assembly, scales(self.assembly)
         mass, inertia = (
             assembly.state[assembly.layout[f"particle_inverse_{name}"]][self.nodes]
             for name in ("mass", "inertia")
         )
-        forces = np.abs(own[:, 3:5, self.nodes]) / np.where(mass > 0.0, mass, np.inf)
-        force = max(known.force, float(forces.sum(axis=2).max(initial=0.0)), TINY)
-        held = np.inf  # nodes that are held do not accelerate
-        push = np.where(mass > 0.0, force * mass, held)
-        return np.stack([push, push, np.where(inertia > 0.0, force * known.length * inertia, held)])
+        forces = np.abs(numbers[:, 3:5, self.nodes]) / np.where(mass > 0.0, mass, np.inf)
+        force = max(scale.force, float(forces.sum(axis=2).max(initial=0.0)), TINY)
+        # Nodes that are held do not accelerate.
+        push = np.where(mass > 0.0, force * mass, np.inf)
+        return np.stack([push, push, np.where(inertia > 0.0, force * scale.length * inertia, np.inf)])
 
     def ratio(self, kinds: int | None = None) -> float | None:
         """Return the ratio of both differences, from those of all or the first ``kinds`` of quantities whose
