@@ -152,6 +152,34 @@ def test_a_run_file_lies_below_the_upper_end_of_its_forecast(name: str, tmp_path
     assert f", {low} to {high} in {path}" in needed.sentence(path) and low != high
 
 
+@pytest.mark.parametrize(
+    ("factors", "halved"), [("[0, 1, 0, -1, 0, 1]", False), ("[1, 1, 1, 1, 1, 1]", True)]
+)
+def test_a_smooth_run_whose_automatic_step_may_be_halved_tells_what_that_costs(
+    factors: str, halved: bool
+) -> None:
+    """A force that is there at once sends waves through the frame, which the first step does not resolve."""
+    path = Path(vfife.__file__).parent / "modelfile" / "templates" / "frame.toml"
+    model, begun = vfife.load_model(path, set=[("load.push.factors", factors), ("run.duration", "2 s")]), []
+
+    class Record(Job):
+        def begin(self, forecast: Forecast) -> None:
+            begun.append((forecast, time.process_time()))
+
+    result = vfife.simulate(model, progress=Record("test", None, True, lambda progress: None))
+    taken = time.process_time() - begun[0][1]
+    needed, assembly = begun[0][0], result.record.assembly
+    price = cost.run_cost(assemble(model, assembly.choice.step), refined=True)
+    assert price.halved == 0.0, "a step that is given stays"
+    assert needed.spread is not None and "if the step is halved three times" in needed.note
+    tried = len(assembly.choice.tried)
+    assert (tried > 1) == halved
+    price = cost.run_cost(assemble(model), refined=True)
+    assert price.spread is not None and price.halvings == "three times"
+    assert price.spread[0] <= taken <= (price.halved if halved else price.spread[1])
+    assert price.halved == pytest.approx(cost.SMOOTH_TRIES * price.spread[1], rel=0.2)
+
+
 def between_stops() -> vfife.Mechanism:
     """A mass on a spring between two stops, whose outputs compress to an eighth."""
     m = vfife.Mechanism("mass between stops")

@@ -21,6 +21,7 @@ from vfife.cli.app import app
 from vfife.errors import VfifeError
 from vfife.live.page import reports
 from vfife.modelfile import dump, load
+from vfife.plots.notebook import reported_figures
 from vfife.plots.pdf import figure_scale, fullest
 from vfife.report import front, overview, pages, run_file
 from vfife.report.amounts import interval, prefixed
@@ -136,6 +137,33 @@ def test_a_verdict_stands_once(monkeypatch: pytest.MonkeyPatch, certain: str) ->
     said = Page(document(run(), {}, None, None))
     assert words(said).count("the same sentence") == 1 and words(said).count("a caution") == 1
     assert "the same sentence" not in said.texts["li"] and certain in said.texts["p"]
+
+
+FRAME = Path(vfife.__file__).parent / "modelfile" / "templates" / "frame.toml"
+
+
+def test_a_verdict_without_cautions_is_not_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A report that begins with "this run is sensitive" and says "Cautions: None." contradicts itself."""
+    result = vfife.simulate(load(FRAME), duration=0.05)
+    assert "None." in Page(document(result, {}, None, None)).texts["p"]
+    sensitive = copy.deepcopy(result.summary)
+    sensitive["trust"]["converges"], sensitive["trust"]["sensitive"] = False, True
+    monkeypatch.setattr(pages, "run_summary", lambda result: sensitive)
+    texts = Page(document(result, {}, None, None)).texts["p"]
+    assert pages.NO_OTHER in texts and "None." not in texts and "does not converge" in " ".join(texts)
+
+
+def test_a_report_speaks_of_turns_and_ideal_joints_only_where_there_are_some() -> None:
+    """A frame has neither, nor a figure of the angular accelerations that rounding leaves."""
+    frame = vfife.simulate(load(FRAME), duration=0.05)
+    titles = " ".join(reported_figures(frame))
+    assert "joint forces over time, with the peaks" in titles.lower() and "faint later" in titles
+    assert "turn" not in titles and "ideal" not in titles and "acceleration" not in titles.lower()
+    texts = " ".join(Page(document(frame, {}, None, None)).texts["p"])
+    assert "central differences." in texts and "clearance" not in texts.partition("central")[2][:200]
+    assert "Joint forces over the turn, with the ideal ones" in " ".join(reported_figures(run()))
+    pendulum = vfife.simulate(gallery.elastic_pendulum(), duration=0.05)
+    assert "Angular accelerations of bodies that are not driven" in reported_figures(pendulum)
 
 
 def test_joints_with_equal_laws_share_a_row() -> None:

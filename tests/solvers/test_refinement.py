@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -19,8 +20,12 @@ from vfife.measures.smooth_errors import error_of, estimate, values_of
 from vfife.measures.trust import Trust, finer, trust
 from vfife.measures.values import Measured
 from vfife.model.mechanism import Mechanism
+from vfife.modelfile.read import load, loads
 from vfife.simulation.result import Result
 from vfife.solvers.refinement import FINER, PARTS, SAMPLED, Differences, refine
+from vfife.solvers.scales import scales
+
+FRAME = Path(vfife.__file__).parent / "modelfile" / "templates" / "frame.toml"
 
 
 def pendulum() -> Mechanism:
@@ -239,6 +244,51 @@ def test_a_motion_that_the_steps_decide_is_sensitive() -> None:
     assert "does not converge" in result.summary["warnings"][0] and not result.summary["trust"]["converges"]
 
 
+STRIP = """
+[run]
+duration = "0.3 s"
+[ground]
+wall = [0, 0]
+[body.strip]
+length = "1 m"
+model = "elastic"
+elements = 8
+section = { rectangle = ["20 mm", "20 mm"] }
+[joint.clamp]
+kind = "weld"
+bearing = "ground.wall"
+journal = "strip.start"
+[load.tip]  # grows for 50 ms and then stays
+at = "strip.end"
+force = [0, "-100 N"]
+times = [0, "0.05 s", "0.3 s"]
+factors = [0, 1, 1]
+"""
+
+
+@pytest.mark.parametrize("make", [lambda: loads(STRIP), lambda: load(FRAME)])
+def test_waves_in_the_shortest_elements_make_no_structure_sensitive(make) -> None:
+    """The accelerations that they give to nodes differ with every step, and carry hardly any force: the
+    forces and the motion converge, and the first step is fine enough.
+    """
+    result = vfife.simulate(make())
+    record, measures = result.record, result.measures
+    said, choice = trust(record), record.assembly.choice
+    assert said is not None and said.converges and not said.sensitive and not choice.tried
+    assert said.order == pytest.approx(2.0, abs=0.2)
+    fine = vfife.simulate(make(), step=choice.step / 8.0, companions=0).measures
+    for name, size in sizes(ranged(record, groups=PEAKS), choice.step, scales(record.assembly)).items():
+        low, high = measures[name].low, measures[name].high
+        assert low <= fine[name] <= high and high - low < 5e-3 * size, name
+
+
+def test_an_elastic_motion_that_the_steps_decide_is_sensitive() -> None:
+    """The rubber rod swings, bends and stretches for 20 s: no two steps give the same motion."""
+    m = with_settings(gallery.elastic_pendulum(), duration=20.0)
+    said = trust(vfife.simulate(m, step="auto", companions=1).record)
+    assert said is not None and not said.converges and said.sensitive
+
+
 def test_repetitions_are_as_long_as_the_run() -> None:
     record = vfife.simulate(pendulum(), companions=0).record
     refined = refine(record)
@@ -264,7 +314,7 @@ def test_noise_of_second_differences_goes_with_size_over_acceleration():
     layout = SimpleNamespace(rows_of=lambda name: np.array([SAMPLED.index(name)]))
     choice = SimpleNamespace(step=step)
     record = SimpleNamespace(
-        assembly=SimpleNamespace(layout=layout, choice=choice),
+        assembly=SimpleNamespace(layout=layout, choice=choice, bodies={}),
         rows=rows,
         row_numbers=np.arange(6, dtype=np.uint32),
     )

@@ -48,6 +48,7 @@ FEWEST_ITERATIONS, ITERATIONS = 1000.0, 1.0
 STATIC_LOOKS = 3000.0  # ns that checks add to an iteration
 MOST_TRIES = 7.0  # steps of a run whose automatic step is halved twice, over those of its first try
 REFINED = 7.0  # steps of a smooth run that is repeated with half and a quarter of its step, over its own
+SMOOTH_TRIES = 15.0  # the same as MOST_TRIES of such a run, whose automatic step is halved three times
 # Time of a static analysis that is repeated with twice and with half the elements, over its own; 1.7 to 6 in
 # the examples. With this and ITERATIONS, forecasts of the examples are 1 to 5 times their time.
 MESHED = 3.5
@@ -215,8 +216,9 @@ class RunCost:
     state, bytes of the record, times of the ideal reference and of the run without companions, bytes of
     memory and disk. With an automatic step it is that of the first try. ``measuring`` is the time (s) to
     write the run file and to take all measures, which is not among ``seconds``; ``disk_growth`` as in
-    :class:`Forecast`. ``spread``: the least and the largest time (s) with ``measuring``, None for a run that
-    is repeated; ``halved``: the largest with an automatic step that is halved twice, 0 where none is.
+    :class:`Forecast`. ``spread``: the least and the largest time (s) with ``measuring``, None for a static
+    analysis that is repeated; ``halved``: the largest with an automatic step that is halved as often as
+    ``halvings`` says, "twice" or "three times"; 0 where none is.
     """
 
     loop: str
@@ -233,12 +235,13 @@ class RunCost:
     disk_growth: float = 1.0
     spread: tuple[float, float] | None = None
     halved: float = 0.0
+    halvings: str = ""
 
     def forecast(self, steps: int, remedy: str = "") -> Forecast:
         """Return the forecast of the run with its measures."""
         seconds = self.seconds + self.measuring
         amounts = seconds, self.memory, self.disk
-        note = f"; up to {span(self.halved)} if the step is halved twice" if self.halved else ""
+        note = f"; up to {span(self.halved)} if the step is halved {self.halvings}" if self.halved else ""
         growth, spread = self.disk_growth, self.spread
         return Forecast(
             "run", 1, steps, *amounts, remedy=remedy, note=note, disk_growth=growth, spread=spread
@@ -280,9 +283,10 @@ def run_cost(
         cost, seconds=seconds, stepping=stepping, memory=memory, disk=COMPRESSED * size, measuring=written,
         disk_growth=LARGEST_FILE[companions > 0],
     )  # fmt: skip
-    if not refined:
-        halves = companions > 0 and assembly.choice.automatic
-        cost = _with_spread(cost, seconds - recording, companions > 0, measured, halves)
+    if assembly.mechanism.settings.analysis != "static" or not refined:
+        halves = (companions > 0 or refined) and assembly.choice.automatic
+        step_seconds = seconds - (REFINED if refined else 1.0) * recording
+        cost = _with_spread(cost, step_seconds, companions > 0, measured, halves)
     share = sampled_share(assembly) if measured else None
     if share is None:
         return cost
@@ -293,16 +297,17 @@ def run_cost(
 
 def _with_spread(cost: RunCost, stepping: float, accompanied: bool, timed: bool, halves: bool) -> RunCost:
     """Return the cost of a run with its least and its largest time, and the largest of one that ``halves``
-    its step twice; ``stepping``: time (s) of its steps and of the reference, of a ``timed`` part or of the
-    table.
+    its step: twice with companions, three times without; ``stepping``: time (s) of its steps and of the
+    reference, of a ``timed`` part or of the table.
     """
     low, high = (
         pace * stepping + writing * cost.bytes
         for pace, writing in zip(TIMED if timed else TABLED, WRITING[accompanied], strict=True)
     )
     pace, writing = (TIMED if timed else TABLED)[1], WRITING[accompanied][1]
-    halved = MOST_TRIES * pace * stepping + WRITTEN_TRIES * writing * cost.bytes if halves else 0.0
-    return dataclasses.replace(cost, spread=(low, high), halved=halved)
+    tries, halvings = (MOST_TRIES, "twice") if accompanied else (SMOOTH_TRIES, "three times")
+    halved = tries * pace * stepping + WRITTEN_TRIES * writing * cost.bytes if halves else 0.0
+    return dataclasses.replace(cost, spread=(low, high), halved=halved, halvings=halvings if halves else "")
 
 
 def _alone(assembly: Assembly) -> RunCost:

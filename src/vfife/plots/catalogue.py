@@ -107,7 +107,7 @@ FIGURES: dict[str, FigureKind] = {
     ),
     "accelerations": FigureKind(
         "sliders along their guides, angular accelerations of other bodies", acceleration_curves,
-        _needs_motion(accelerations, "what moves is driven evenly"), usual=True,
+        _needs_motion(accelerations, "what moves is driven evenly, or hardly turns"), usual=True,
     ),
     "strip": FigureKind("the mechanism at moments of the turn, side by side", _without_reference(strip),
         _needs(_several_outputs, "there is one output")),
@@ -144,6 +144,33 @@ FIGURES: dict[str, FigureKind] = {
         _without_reference(deflection), _needs(links_with_deflection, "no link is elastic")),
 }  # fmt: skip
 ALL_FIGURES = "all"  # as a name: all that a result has
+
+
+# Words of captions that hold with a turn of a crank, with an ideal reference, and what holds without them.
+WITHOUT_TURNS = {
+    "faint over the last turn": ("faint later", "faint at other load factors"),
+    "over the turn": ("over time", "over the load factor"),
+    "moments of the turn": ("moments of the run", "load factors"),
+}
+OF_REFERENCE = (" with the ideal ones and", ", with those of the ideal mechanism")
+
+
+def caption(name: str, result: RunData) -> str:
+    """Return the caption of a figure of a result: the description of its kind, without turns and ideal joints
+    where there are none.
+    """
+    text = FIGURES[name].description
+    if result.crank is None or result.record.static:
+        for words, (moving, static) in WITHOUT_TURNS.items():
+            text = text.replace(words, static if result.record.static else moving)
+    if name == "accelerations" and not any(
+        quantity.unit == "m/s²" for quantity in accelerations(result).values()
+    ):
+        text = "angular accelerations of bodies that are not driven"
+    if result.reference is None:
+        for words in OF_REFERENCE:
+            text = text.replace(words, " with" if words.endswith("and") else "")
+    return text[0].upper() + text[1:]
 
 
 def usual(result: RunData) -> list[str]:

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from ..measures.error_ranges import band
 from ..measures.forces import joint_force, joint_force_max, joint_moment, joint_rows
 from ..measures.motion import slider_motion, sliders
+from ..measures.zero_limits import about_zero
 from ..numerics.elementwise import hypot
 from ..results.run_data import RunData
 from ..solvers.record import Record
@@ -196,10 +197,17 @@ def _force(result: RunData, name: str, shared: SharedForces) -> Quantity:
 def _significant(
     result: RunData, quantities: dict[str, Quantity], largest: float = 0.0, share: float = NOISE
 ) -> dict[str, Quantity]:
-    """Return the quantities that exceed a share of the largest of them, and of ``largest``."""
+    """Return the quantities that exceed a share of the largest of them, and of ``largest``, and whose peaks
+    are not about zero.
+    """
     sizes = {name: quantity.largest(result.record) for name, quantity in quantities.items()}
     noise = share * max([largest, *sizes.values()])
-    return {name: quantity for name, quantity in quantities.items() if sizes[name] > noise}
+    small = about_zero(result.record, result.measures)
+    return {
+        name: quantity
+        for name, quantity in quantities.items()
+        if sizes[name] > noise and quantity.peak not in small
+    }
 
 
 def _column(of: Callable[[Record], Array], name: str) -> Callable[[Record], Array]:

@@ -15,7 +15,7 @@ from ..report.check import mechanism_parts
 from ..report.document import Document
 from ..report.html import fragment
 from ..results.run_data import RunData
-from .catalogue import FIGURES
+from .catalogue import FIGURES, caption
 from .style import STYLE, picture
 
 LARGEST = 300_000  # bytes of a figure as lines
@@ -59,8 +59,7 @@ def reported_figures(result: RunData) -> dict[str, Figure]:
     names = [
         name for name, kind in FIGURES.items() if name in (*SHOWN, *REPORTED) and not kind.missing(result)
     ]
-    titles = {name: FIGURES[name].description[0].upper() + FIGURES[name].description[1:] for name in names}
-    return {titles[name]: figure for name, figure in figures(result, names=names).items()}
+    return {caption(name, result): figure for name, figure in figures(result, names=names).items()}
 
 
 def svg(figure: Figure, words: str) -> bytes:

@@ -217,9 +217,7 @@ def _cost(check: Mapping[str, Any]) -> list[str]:
         span(cost["compile_seconds"]),
     )
     repetitions = (
-        f", up to {span(START + cost['halved'])} if halved twice"
-        if check["step"]["searched"] and cost["halved"]
-        else ""
+        f", up to {span(START + cost['halved'])} if halved {cost['halvings']}" if cost["halved"] else ""
     )
     repetitions += "; half and a quarter of the step with it, for the errors" if check["repeated"] else ""
     lines = [

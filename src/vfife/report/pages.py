@@ -54,10 +54,18 @@ if TYPE_CHECKING:
 RELIABILITY = ("Step", "Run", "Turns", "Trust", "Energy")  # facts on how reliable the numbers are
 MODEL_LENGTH = 60_000  # characters of a model that are shown
 METHOD = (
-    "The motion is computed in time steps with explicit central differences; a joint with clearance is a"
-    " journal in a bearing, with a contact and a friction law where they touch. The same run with other time"
-    " steps shows how certain the numbers are."
+    "The motion is computed in time steps with explicit central differences{contact}. The same run with other"
+    " time steps shows how certain the numbers are."
 )
+CONTACT = (
+    "; a joint with clearance is a journal in a bearing, with a contact and a friction law where they touch"
+)
+STATIC_METHOD = (
+    "Each equilibrium is found by dynamic relaxation: a damped motion that comes to rest under its loads. The"
+    " same analysis with other numbers of elements shows how certain the numbers are."
+)
+# Where a verdict leads the report, which stands in it once.
+NO_OTHER = "None besides the first sentence of this report on how far its numbers can be trusted."
 MOST_ROWS = 1000
 SCRIPT = """<script>
 for (const button of document.querySelectorAll("button[data-positions]"))
@@ -97,11 +105,14 @@ def run_document(
     texts = list(dict.fromkeys(map(without_options, texts)))
     sections = (
         front_page(summary, figures[0] if figures else None),
-        Section("Cautions", [Bullets(texts, ordered=True) if texts else Paragraph("None.")]),
+        Section(
+            "Cautions",
+            [Bullets(texts, ordered=True) if texts else Paragraph(NO_OTHER if leading else "None.")],
+        ),
         Section(
             "Method and trust",
             [
-                Paragraph(METHOD),
+                Paragraph(_method(summary)),
                 *paragraphs([leading] if leading and leading != certainty(summary) else []),
                 *trust(summary),
             ],
@@ -114,6 +125,13 @@ def run_document(
     )
     introduction = model["note"], f"Read from {Path(model['source']).name}." if model["source"] else ""
     return Document(explained(sections), model["name"]), introduction
+
+
+def _method(summary: dict[str, Any]) -> str:
+    """Return how the numbers of a run were computed, as far as it concerns this model."""
+    if summary["run"].get("analysis") == "static":
+        return STATIC_METHOD
+    return METHOD.format(contact=CONTACT if summary["contacts"] else "")
 
 
 def cautions_of_run(summary: dict[str, Any]) -> list[str]:

@@ -26,6 +26,7 @@ from ..numerics.scalar import log
 from .companion_lanes import single_runner
 from .interrupts import ChunkSize, Interrupts
 from .record import Record, places, recorded_rows
+from .scales import scales
 from .statics import equilibrium
 from .status import Progress, Status
 
@@ -56,19 +57,21 @@ class Refined:
     """Runs with ``half`` and a ``quarter`` of the step: records of their last outputs.
 
     ``ratio``: ratio of the second difference of positions and accelerations to the first, over all outputs;
-    1/4 for convergence of second order, None if there is only rounding. ``converges``: whether the
-    differences decrease with the step in the part of the run that was kept.
+    1/4 for convergence of second order, None if there is only rounding. ``motion``: the same without the
+    accelerations of elastic nodes. ``converges``: whether the differences decrease with the step in the part
+    of the run that was kept.
     """
 
     half: Record
     quarter: Record
     ratio: float | None
+    motion: float | None
     converges: bool
 
     @property
     def order(self) -> float | None:
-        """Order of convergence of positions and accelerations; None if there is only rounding."""
-        return -log(self.ratio) / log(2.0) if self.ratio else None
+        """Order of convergence of the motion; None if there is only rounding."""
+        return -log(self.motion) / log(2.0) if self.motion else None
 
 
 def worth_refining(assembly: Assembly) -> bool:
@@ -103,7 +106,8 @@ def refine(record: Record, first: int = 0) -> Refined:
         for assembly, parts, window in zip(finer, FINER, windows, strict=True)
     )
     since = (len(record.steps) - len(half.steps)) * PARTS // len(record.steps)
-    return Refined(half, quarter, compared.ratio(), compared.converges(since))
+    motion = compared.ratio(len(SAMPLED))
+    return Refined(half, quarter, compared.ratio(), motion, compared.converges(since))
 
 
 def _record(record: Record, finer: Assembly, parts: int, recorded: NDArray[np.uint32], rows: Array) -> Record:
@@ -138,7 +142,12 @@ class Differences:
             record.rows[:, places(record.row_numbers, sampled)],
         )
         self.squares, self.counts = np.zeros((PARTS, 2, len(sampled))), np.zeros(PARTS)
+        self.assembly = record.assembly
         self.step = record.assembly.choice.step
+        self.nodes = np.zeros(len(sampled) // len(SAMPLED), dtype=bool)  # particles of elastic bodies
+        for body in self.assembly.bodies.values():
+            if body.elements:
+                self.nodes[list(body.particles)] = True
 
     def take(self, done: int, half: Array, quarter: Array) -> None:
         """Add the outputs of both repetitions after the first ``done``, shape (outputs, rows) each."""
@@ -157,30 +166,58 @@ class Differences:
 
     def scaled(self) -> tuple[Array, Array, Array]:
         """Return the mean squares of both differences in each part for each kind of quantity, over the
-        squared size of the kind, and the relative noise of each kind.
+        squared size of the kind, and the relative noise of each kind: those of ``SAMPLED``, then the
+        accelerations of elastic nodes.
         """
-        largest = np.abs(self.own).reshape(len(self.own), len(SAMPLED), -1).max(axis=(0, 2), initial=0.0)
+        numbers = self.own.reshape(len(self.own), len(SAMPLED), -1)
+        largest = np.abs(numbers).max(axis=(0, 2), initial=0.0)
         size, turn, push = max(*largest[:2], TINY), max(largest[2], 1.0), max(*largest[3:5], TINY)
         spin = max(largest[5], push / size)
         rounding = (
             EPS * FINER[-1] * FINER[-1] / (self.step * self.step)
         )  # of a second difference of numbers near one
-        scale = np.array([size, size, turn, push, push, spin])
-        noise = np.array(
-            [EXACT, EXACT, EXACT, rounding * size / push, rounding * size / push, rounding * turn / spin]
-        )
-        squares = (
-            self.squares.reshape(PARTS, 2, len(SAMPLED), -1).sum(axis=3)
-            / (scale * scale)
-            / np.maximum(self.counts, 1.0)[:, None, None]
-        )
-        return squares[:, 0], squares[:, 1], noise
+        scale = np.array([size, size, turn, push, push, spin, 1.0, 1.0, 1.0])
+        noise = np.array([EXACT * size, EXACT * size, EXACT * turn, *[rounding * size] * 2, rounding * turn])
+        noise = np.append(noise, noise[3:])
+        squares = self.squares.reshape(PARTS, 2, len(SAMPLED), -1)
+        sums = squares[..., ~self.nodes].sum(axis=3) if self.nodes.any() else squares.sum(axis=3)
+        waves = np.zeros((PARTS, 2, 3))
+        if self.nodes.any():
+            moved = (numbers[:, :3].max(axis=0) - numbers[:, :3].min(axis=0)).max(axis=1)
+            way = max(*moved[:2], TINY)
+            scale[:3] = way, way, max(moved[2], way / size)
+            sums[:, :, :3] = squares[:, :, :3].sum(axis=3)
+            nodal = self._nodal_scales(numbers)
+            waves = (squares[:, :, 3:, self.nodes] / (nodal * nodal)).sum(axis=3)
+            noise[len(SAMPLED) :] /= nodal.min(axis=1)
+        noise /= scale
+        shares = np.concatenate([sums, waves], axis=2) / (scale * scale)
+        shares /= np.maximum(self.counts, 1.0)[:, None, None]
+        return shares[:, 0], shares[:, 1], noise
 
-    def ratio(self) -> float | None:
-        """Return the ratio of both differences, from those kinds of quantities whose differences exceed
-        rounding; None if none does.
+    def _nodal_scales(self, numbers: Array) -> Array:
+        """Return the scales of the accelerations of elastic nodes, shape (kinds, nodes): those that the
+        forces of the whole mechanism would give each.
+
+        No step near the stable limit resolves waves in the shortest elements, and each step has others. The
+        nodes that they move are light, so their accelerations weigh as much as their forces.
         """
-        coarse, fine, noise = self.scaled()
+        assembly, scale = self.assembly, scales(self.assembly)
+        mass, inertia = (
+            assembly.state[assembly.layout[f"particle_inverse_{name}"]][self.nodes]
+            for name in ("mass", "inertia")
+        )
+        forces = np.abs(numbers[:, 3:5, self.nodes]) / np.where(mass > 0.0, mass, np.inf)
+        force = max(scale.force, float(forces.sum(axis=2).max(initial=0.0)), TINY)
+        # Nodes that are held do not accelerate.
+        push = np.where(mass > 0.0, force * mass, np.inf)
+        return np.stack([push, push, np.where(inertia > 0.0, force * scale.length * inertia, np.inf)])
+
+    def ratio(self, kinds: int | None = None) -> float | None:
+        """Return the ratio of both differences, from those of all or the first ``kinds`` of quantities whose
+        differences exceed rounding; None if none does.
+        """
+        coarse, fine, noise = (numbers[..., :kinds] for numbers in self.scaled())
         share = self.counts[:, None] / max(self.counts.sum(), 1.0)
         coarse, fine = (coarse * share).sum(axis=0), (fine * share).sum(axis=0)
         telling = (np.sqrt(fine) > OVER_NOISE * noise) & (coarse > 0.0)
@@ -188,13 +225,15 @@ class Differences:
 
     def converges(self, since: int) -> bool:
         """Return whether the differences decrease with the step in all parts from number ``since`` on, where
-        they are large enough to matter.
+        they are large enough to matter. Waves through elastic nodes need only be small.
         """
         coarse, fine, noise = self.scaled()
+        motion = np.arange(len(noise)) < len(SAMPLED)
         for k in range(since, PARTS):
             telling = np.sqrt(fine[k]) > OVER_NOISE * noise
-            first, second = (sqrt(float(squares[k][telling].sum())) for squares in (coarse, fine))
-            if not second <= DIFFERENT_MOTION or (first > DECISIVE and second > FALLING * first):
+            second = sqrt(float(fine[k][telling].sum()))
+            first, falling = (sqrt(float(squares[k][telling & motion].sum())) for squares in (coarse, fine))
+            if not second <= DIFFERENT_MOTION or (first > DECISIVE and falling > FALLING * first):
                 return False
         return True
 

@@ -325,7 +325,7 @@ RECORDED = 1.4  # time of a step in lanes that are recorded, over that of lanes 
 
 def forecast(left: Sequence[Prepared], planned: int) -> cost.Forecast:
     """Forecast the runs that are left of those planned: in lanes, or one after another. With companions an
-    automatic step may be halved twice.
+    automatic step may be halved twice, that of a smooth run that is repeated three times.
     """
     costs = [
         cost.run_cost(prepared.assembly, companions=prepared.companions, refined=prepared.refined)
@@ -341,8 +341,10 @@ def forecast(left: Sequence[Prepared], planned: int) -> cost.Forecast:
     if seconds > cost.WORTH and costs[0].loop == "generated":
         seconds *= 1e9 * cost.timed_step(left[0].assembly) / costs[0].ns_per_step
     besides = recording + sum(price.measuring for price in costs)
-    searched = any(prepared.companions and prepared.assembly.choice.automatic for prepared in left)
-    ends = seconds + besides, (cost.MOST_TRIES if searched else 1.0) * seconds + besides
+    searched = [prepared for prepared in left if prepared.assembly.choice.automatic]
+    searched = [prepared for prepared in searched if prepared.companions or prepared.refined]
+    tries = cost.SMOOTH_TRIES if any(prepared.refined for prepared in searched) else cost.MOST_TRIES
+    ends = seconds + besides, (tries if searched else 1.0) * seconds + besides
     steps = sum(prepared.assembly.choice.steps for prepared in left) / max(len(left), 1)
     memory, disk = (
         sum(price.memory - cost.LIBRARIES for price in costs) + cost.LIBRARIES,
