@@ -76,13 +76,13 @@ def start_fall(record: Record, ideal: Mapping[str, float], motion: Turns | None 
     if not count or not last_turn(record)[1]:
         return None
     outputs = np.arange(len(record.steps))
-    whole, fall = over_turn(record, outputs > 0, FORCES), _forces_until(record, count)
+    of_run, fall = over_turn(record, outputs > 0, FORCES), _forces_until(record, count)
     later = outputs > max(0.5 * outputs[-1], count)
     usual = over_turn(record, later, FORCES) if later.any() else {}
     names = [
         name for name, value in fall.items()
-        if value >= whole[name] and value > RAISED * max(usual.get(name, 0.0), ideal.get(name) or 0.0)
-        if value > SMALL * max(other for key, other in whole.items() if _alike(name, key))
+        if value >= of_run[name] and value > RAISED * max(usual.get(name, 0.0), ideal.get(name) or 0.0)
+        if value > SMALL * max(size for key, size in of_run.items() if _alike(name, key))
     ]  # fmt: skip
     if not names:
         return None
@@ -98,9 +98,9 @@ def _forces_until(record: Record, end: int) -> dict[str, float]:
     return {name: value for name, value in forces.items() if name.endswith(FORCE_ENDINGS)}
 
 
-def _alike(name: str, other: str) -> bool:
+def _alike(name: str, key: str) -> bool:
     """Return whether two names are those of measures with one ending of FORCE_ENDINGS."""
-    return any(name.endswith(ending) and other.endswith(ending) for ending in FORCE_ENDINGS)
+    return any(name.endswith(ending) and key.endswith(ending) for ending in FORCE_ENDINGS)
 
 
 def _reaches(values: Mapping[str, float], largest: Mapping[str, float], names: Sequence[str]) -> bool:
@@ -114,9 +114,9 @@ def _falling(record: Record) -> list[str]:
     depths, onsets = record.block("contact_penetration")[0], record.block("contact_onsets")[-1]
     for name in dict.fromkeys(joints):
         clearance = getattr(mechanism.contacts[name], "clearance", None)
-        own = [k for k in range(len(contacts)) if joints[k] == name]
-        free = clearance is not None and max(depths[k] for k in own) < -FREE * clearance
-        if free and max(onsets[k] for k in own) > 0.0:
+        touches = [k for k in range(len(contacts)) if joints[k] == name]
+        free = clearance is not None and max(depths[k] for k in touches) < -FREE * clearance
+        if free and max(onsets[k] for k in touches) > 0.0:
             names.append(name)
     return names
 

@@ -75,9 +75,9 @@ def first_leap(record: Record) -> Leap | None:
     steps, changes = np.diff(moved), np.abs(np.diff(loads, axis=1))
     for k in range(1, len(steps)):
         growth = max(
-            (now / before if before > 0.0 else math.inf)
-            for before, now in changes[:, k - 1 : k + 1].tolist()
-            if now > 0.0 or before > 0.0
+            (change / former if former > 0.0 else math.inf)
+            for former, change in changes[:, k - 1 : k + 1].tolist()
+            if change > 0.0 or former > 0.0
         ) if changes[:, k - 1 : k + 1].any() else 1.0  # fmt: skip
         if not 0.0 < growth < math.inf or steps[k] <= LARGE * moved.max():
             continue

@@ -22,7 +22,7 @@ CONTACT_SHARE = 0.9  # of the outputs at which the journal must be near the bear
 SURFACE = 0.95  # of the clearance: an eccentricity near the surface
 CERTAIN = 3.0  # standard errors of a mean over the outputs, which it must exceed
 FEWEST = 20  # outputs of a mean
-WHOLE_TURNS = 2.0  # around the bearing, which a swing between two places of contact does not make
+TURNS_AROUND = 2.0  # around the bearing, which a swing between two places of contact does not make
 PARTS, SUSTAINED = 4, 0.2  # of the time, in each of which the mean rate is at least this share of that of all
 
 
@@ -82,4 +82,4 @@ def _goes_round(rates: NDArray[np.float64], mean: float, duration: float) -> boo
     in each part of the time.
     """
     parts = [float(np.mean(part)) * math.copysign(1.0, mean) for part in np.array_split(rates, PARTS)]
-    return abs(mean) * duration >= WHOLE_TURNS * 2.0 * math.pi and min(parts) >= SUSTAINED * abs(mean)
+    return abs(mean) * duration >= TURNS_AROUND * 2.0 * math.pi and min(parts) >= SUSTAINED * abs(mean)

@@ -177,10 +177,10 @@ def fall_caution(fall: Fall, mechanism: Mechanism, turns: bool) -> str:
 def fall_remedy(mechanism: Mechanism, joints: Iterable[str], turns: bool) -> str:
     """Return how a run has no forces of the fall of these ``joints`` at its start."""
     seats = [name for name in joints if name in mechanism.clearances]
-    others = [name for name in joints if name not in seats]
+    blocks = [name for name in joints if name not in seats]
     sentences = [f"{SEATED} starts without this fall."] if seats else []
-    if others:
-        subject = f"The slider{'s' * (len(others) > 1)} of {and_words(others)} cannot start seated"
+    if blocks:
+        subject = f"The slider{'s' * (len(blocks) > 1)} of {and_words(blocks)} cannot start seated"
         leave = "" if turns else ": read the curves after the fall"
         sentences.append(f"{subject}{leave}.")
     if turns:

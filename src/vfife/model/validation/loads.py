@@ -305,9 +305,9 @@ def _table_angles(path: str, angles: tuple[float, ...], rises: bool) -> Iterator
     motion that swings back, or, where a table ``rises`` with them, many turns.
     """
     extent = max(angles, default=0.0) - min(angles, default=0.0)
-    whole = all(angle == round(angle) for angle in angles)
+    integers = all(angle == round(angle) for angle in angles)
     swings = not rises and bool(angles) and abs(angles[-1] - angles[0]) <= RETURN * extent
-    if extent > FULL_TURN and (whole or swings or (rises and extent > MANY_TURNS * FULL_TURN)):
+    if extent > FULL_TURN and (integers or swings or (rises and extent > MANY_TURNS * FULL_TURN)):
         yield (
             f"{path} cover {extent:.6g} rad, {extent / FULL_TURN:.3g} turns: are they in degrees? Numbers"
             " without a unit are radians."
