@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 
+import numpy as np
 import pytest
 
 import vfife
@@ -12,6 +13,7 @@ from loose import loosened
 from vfife import gallery
 from vfife.laws import Hertz, KelvinVoigt, LankaraniNikravesh
 from vfife.laws.law import ContactLaw
+from vfife.measures.forces import joint_force_max, joint_rows
 from vfife.measures.landings import lasting_landings, measured_knocks, start_fall
 from vfife.report.cautions import SEATED, fall_remark, falling_journals, landing_cautions
 from vfife.report.front import conclusion
@@ -182,6 +184,11 @@ def test_no_fall_is_named_where_it_is_the_experiment_or_nothing_falls() -> None:
     """One body in its bearing falls on purpose; a guide has no seat, and its block falls with seated pins."""
     journal = vfife.simulate(gallery.journal_in_bearing(), companions=0)
     assert "start_fall" not in journal.summary
+    free = vfife.simulate(gallery.slider_crank_free(), companions=0)
+    forces = joint_force_max(free.record)[:, list(joint_rows(free.record)).index("O")]
+    landed = int(np.flatnonzero(free.record.block("contact_onsets").any(axis=1))[0])
+    assert forces[: landed + 1].max() == free.measures["O.force.max"], "inertia, before anything lands"
+    assert "start_fall" not in free.summary
     guide = gallery.slider_crank_loose_guide()
     assert falling_journals(guide) == ["guide"] and "cannot start seated" in fall_remark(guide, turns=True)
     seated = dataclasses.replace(guide, start=dataclasses.replace(guide.start, journals="seated"))

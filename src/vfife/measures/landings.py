@@ -63,7 +63,8 @@ def start_fall(record: Record, ideal: Mapping[str, float], motion: Turns | None 
 
     A journal falls if it starts free, further than half the clearance from every surface. Its blows are those
     until ten times the time in which the last journal lands, in the first quarter of the run. They are the
-    largest if they exceed the ``ideal`` values and those of the second half of the run.
+    largest if they exceed the ``ideal`` values, those before any journal lands, and those of the second half
+    of the run.
     """
     mechanism, blocks = record.assembly.mechanism, ("contact_onsets", "contact_penetration")
     if record.static or not all(map(record.keeps, blocks)):
@@ -77,8 +78,8 @@ def start_fall(record: Record, ideal: Mapping[str, float], motion: Turns | None 
         return None
     outputs = np.arange(len(record.steps))
     of_run, fall = over_turn(record, outputs > 0, FORCES), _forces_until(record, count)
-    later = outputs > max(0.5 * outputs[-1], count)
-    usual = over_turn(record, later, FORCES) if later.any() else {}
+    free = (record.block("contact_onsets") == 0.0).all(axis=1)
+    usual = over_turn(record, free | (outputs > max(0.5 * outputs[-1], count)), FORCES)
     names = [
         name for name, value in fall.items()
         if value >= of_run[name] and value > RAISED * max(usual.get(name, 0.0), ideal.get(name) or 0.0)
