@@ -393,7 +393,8 @@ def _registry() -> Any:
 
 # Texts that are no unit here, and what to write.
 GAUGE = "gauge pressures are 1.013 bar below absolute ones: write absolute values, or set ambient to 0 bar"
-ADVICE = {"barg": GAUGE, "bar(g)": GAUGE, "psig": GAUGE, "U": 'write revolutions per minute as "rpm"'}
+TURNS = 'write revolutions per minute as "rpm"'
+ADVICE = {"barg": GAUGE, "bar(g)": GAUGE, "psig": GAUGE, "U": TURNS, "upm": TURNS, "Upm": TURNS}
 
 # Units that users mistake for others, and what to write: grains for grams, short tons for tonnes, gradians
 # for degrees (German Grad), angular mils for thousandths of an inch, years, and capitals for small letters.
@@ -416,6 +417,8 @@ MISTAKABLE = {
     "c": 'did you mean "cm"?',
     "b": 'did you mean "bar"?',
 }
+# Moments as catalogues write them, without a space between force and length: no unit is named like that.
+MOMENT = re.compile(r"([mkM]?N)(mm|cm|m)")
 PRESSURE: Exponents = (Fraction(-1), Fraction(1), Fraction(-2), Fraction(0))
 
 
@@ -426,6 +429,9 @@ def _through_pint(name: str) -> tuple[tuple[Fraction, float, int], tuple[Fractio
 
     if name in ADVICE:
         raise Fault("", f'a text whose unit "{name}" is unknown ({ADVICE[name]})')
+    if moment := MOMENT.fullmatch(name):
+        remedy = f'write it with a space, "{moment[1]} {moment[2]}"'
+        raise Fault("", f'a text whose unit "{name}" is unknown ({remedy})')
     if name in MISTAKABLE:
         raise Fault("", f'a text whose unit "{name}" is easily mistaken ({MISTAKABLE[name]})')
     try:

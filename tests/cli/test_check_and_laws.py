@@ -385,3 +385,14 @@ def test_check_names_a_material_that_nothing_is_made_of(command: Callable, tmp_p
     ]
     assert notes("my", change="joint.C.journal_material=my") == []
     assert notes("steel") == []  # of which everything is made that names none
+
+
+def test_cautions_of_a_long_answer_stand_at_its_end(command: Callable, pendulum: Path) -> None:
+    """Its begin has left the screen by then; those of a short answer come first."""
+    heavy = "--set", "gravity=[0, -9810]"
+    words = "is it 9810 mm/s^2?"
+    long = command("check", str(ROOT / "examples" / "jansen_leg_loose.toml"), *heavy).stdout
+    assert " ".join(long.splitlines()[-4:]).replace("\n", " ").count(words) == 1
+    assert "at the end of this answer." in " ".join(long.splitlines()[:4])
+    short = command("check", str(pendulum), *heavy).stdout
+    assert words in " ".join(short.splitlines()[:6]) and "at the end" not in short

@@ -228,3 +228,9 @@ def test_measures_of_a_static_analysis_are_found() -> None:
     settings = dataclasses.replace(mechanism.settings, analysis="static")
     measures = vfife.simulate(dataclasses.replace(mechanism, settings=settings)).measures
     assert set(topics.STATIC_MEASURES) <= set(measures)
+
+
+def test_a_motor_and_a_flywheel_lead_to_what_sizes_them() -> None:
+    motor, flywheel = ({topic.name for topic in topics.search(word)} for word in ("motor", "flywheel"))
+    assert {"*.torque.rms", "*.torque.max", "first-run.html"} <= motor
+    assert {"*.energy_fluctuation", "first-run.html", "body.NAME.end_inertia"} <= flywheel

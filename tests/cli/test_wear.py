@@ -260,3 +260,9 @@ def test_two_writers_of_wear_are_kept_apart(command, tmp_path):
     with Lock(tmp_path, "a.wear.lock", "this wear"):
         done = command("wear", model, *BRIEF, "-o", "a.wear")
     assert done.exit_code == 2 and "writes this wear" in done.stderr and not (tmp_path / "a.wear").exists()
+
+
+def test_force_is_a_limit_here_and_replaces_no_file(command) -> None:
+    done = command("wear", "model.toml", "--force")
+    words = " ".join(done.output.replace("│", " ").split())
+    assert done.exit_code == 2 and "the joint force that ends the life, as in --force '2 kN'" in words

@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 
+import numpy as np
 import pytest
 
 import vfife
+from loose import loosened
+from vfife import gallery
 from vfife.laws import Hertz, KelvinVoigt, LankaraniNikravesh
 from vfife.laws.law import ContactLaw
-from vfife.measures.landings import lasting_landings, measured_knocks
-from vfife.report.cautions import landing_cautions
-from vfife.report.overview import joint_table
+from vfife.measures.forces import joint_force_max, joint_rows
+from vfife.measures.landings import lasting_landings, measured_knocks, start_fall
+from vfife.report.cautions import SEATED, fall_remark, falling_journals, landing_cautions
+from vfife.report.front import conclusion
+from vfife.report.overview import certainty, joint_table
 from vfife.report.run import document
+from vfife.report.sensitivity import comparison
 from vfife.simulation.result import Result
 
 MEMORY = "remembers the speed of the last landing"
@@ -128,3 +135,67 @@ def test_outputs_that_shorten_the_step_are_told() -> None:
         result = vfife.simulate(m, turns=0.02, reference=False, companions=0)
         assert any("number of outputs" in one for one in result.summary["warnings"]) is told
         assert ("number of outputs" in m.check().set_by) is told
+
+
+def lift(clearance: float = 1e-4, journals: str = "centred") -> vfife.Mechanism:
+    """The scissor lift with clearance in its fixed foot and the right pin of its lower stage."""
+    m = loosened(loosened(gallery.scissor_lift(), "foot", clearance), "right", clearance)
+    settings = dataclasses.replace(m.settings, step="auto", companions=1)
+    start = dataclasses.replace(m.start, journals=journals)
+    return dataclasses.replace(m, settings=settings, start=start)
+
+
+@pytest.mark.parametrize("clearance", [2e-5, 1e-4])
+def test_forces_of_the_fall_at_the_start_are_called_that(clearance: float) -> None:
+    """A lift whose journals start in the middle drops on its pins: forces of several times the ideal ones in
+    the first 20 ms, and less than 5 % more than these with seated journals.
+    """
+    fallen = vfife.simulate(lift(clearance), duration=0.5, outputs=400)
+    fall = fallen.summary["start_fall"]
+    assert fall["joints"] == ("foot", "right") and 0.005 < fall["time"] < 0.03
+    assert {"foot.force.max", "cross-1.force.max", "actuator.actuator_force.max"} <= set(fall["measures"])
+    ideal = fallen.reference.measures
+    assert all(fallen.measures[name] > 1.05 * ideal[name] for name in fall["measures"])
+    text = fallen.summary["warnings"][fall["index"]]
+    assert 'start.journals = "seated" starts without this fall' in text and "actuator" in text
+    first = "The largest forces are those of the journals' fall at the start"
+    assert certainty(fallen.summary).startswith(first) and certainty(fallen.summary).count("caution 1") == 1
+    assert conclusion(fallen.summary)[0].startswith(first)
+    long = str(document(fallen.summary))
+    assert long.index("has no such blow") < long.index("Bodies") and long.count(text[:40]) == 1
+    seated = vfife.simulate(lift(clearance, "seated"), duration=0.5, outputs=400)
+    assert "start_fall" not in seated.summary and certainty(seated.summary).startswith("Reliable")
+    assert seated.measures["foot.force.max"] < 1.05 * ideal["foot.force.max"]
+
+
+@pytest.mark.parametrize("example", [gallery.slider_crank_loose_pin, gallery.four_bar_case_b])
+def test_forces_of_a_first_turn_are_those_of_the_fall_if_the_second_has_less(
+    example: Callable[..., vfife.Mechanism],
+) -> None:
+    """What the caution names is less in the second turn by a twentieth or more, and has no caution there."""
+    one, two = (vfife.simulate(example(), turns=turns, companions=0) for turns in (1, 2))
+    fall = start_fall(one.record, one.reference.measures, one.motion)
+    assert fall is not None and fall.time < 0.05 * one.time[-1]
+    assert all(one.measures[name] > 1.05 * two.measures[name] for name in fall.measures)
+    assert "start_fall" not in two.summary and "two turns or more" in one.summary["warnings"][0]
+
+
+def test_no_fall_is_named_where_it_is_the_experiment_or_nothing_falls() -> None:
+    """One body in its bearing falls on purpose; a guide has no seat, and its block falls with seated pins."""
+    journal = vfife.simulate(gallery.journal_in_bearing(), companions=0)
+    assert "start_fall" not in journal.summary
+    free = vfife.simulate(gallery.slider_crank_free(), companions=0)
+    forces = joint_force_max(free.record)[:, list(joint_rows(free.record)).index("O")]
+    landed = int(np.flatnonzero(free.record.block("contact_onsets").any(axis=1))[0])
+    assert forces[: landed + 1].max() == free.measures["O.force.max"], "inertia, before anything lands"
+    assert "start_fall" not in free.summary
+    guide = gallery.slider_crank_loose_guide()
+    assert falling_journals(guide) == ["guide"] and "cannot start seated" in fall_remark(guide, turns=True)
+    seated = dataclasses.replace(guide, start=dataclasses.replace(guide.start, journals="seated"))
+    assert falling_journals(seated) == ["guide"] and SEATED not in fall_remark(seated, turns=False)
+    assert fall_remark(gallery.slider_crank(), turns=True) == ""
+
+
+def test_a_comparison_of_laws_names_the_fall() -> None:
+    result = vfife.compare(gallery.slider_crank_loose_pin(), contact=["hertz"], turns=1, companions=0)
+    assert "those of the first" in str(comparison(result))

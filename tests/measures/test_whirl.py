@@ -1,15 +1,17 @@
 """Backward whirl of a journal: the closed form of rolling, its mirror image, the same for all outputs, and
-none without friction.
+none without friction or whole turns.
 """
 
 import numpy as np
 import pytest
 
+import vfife
 from support import go
-from vfife import Mechanism
+from vfife import Mechanism, gallery
 from vfife.laws import Coulomb, FrictionLaw, Frictionless, LankaraniNikravesh
 from vfife.measures.forces import eccentricity
 from vfife.measures.whirl import backward_whirls
+from vfife.modelfile import loads
 from vfife.report.cautions import whirl_cautions
 from vfife.solvers.record import Record
 
@@ -68,3 +70,18 @@ def test_the_whirl_is_named_at_any_outputs() -> None:
 def test_no_whirl_without_friction_nor_from_few_outputs() -> None:
     assert backward_whirls(spun(Frictionless())) == {}
     assert list(whirl_cautions(spun(friction(), outputs=30))) == []
+
+
+def test_a_journal_that_swings_across_its_bearing_does_not_whirl() -> None:
+    """The rod of a press under load: its pin swings through 160 degrees where the rocker turns back, and
+    crosses the bearing in a moment, but never goes round.
+    """
+    text = "\n".join(
+        line.removeprefix("#~ ") for line in gallery.path("six_bar_press").read_text().splitlines()
+    )
+    worn = {f"joint.{name}.clearance": "0.15 mm" for name in "EF"}
+    model = loads(text, set=[*worn.items(), ("run.turns", 1), ("run.outputs", 720)])
+    record = vfife.simulate(model, companions=0, reference=False).record
+    angle = np.unwrap(np.arctan2(*eccentricity(record)[20:, 0].T[::-1]))
+    assert np.ptp(angle) < 2.0 * np.pi
+    assert list(whirl_cautions(record)) == []

@@ -322,7 +322,9 @@ def test_a_table_of_degrees_taken_for_radians_is_cautioned_about() -> None:
     m.loads["push"] = PointForce(
         name="push", at="rocker.end", force=(1.0, 0.0), crank="crank", angles=angles, factors=factors
     )
-    assert any("57.3 turns of the crank: are its angles in degrees?" in text for text in suspects(m))
+    assert any(
+        "load.push.angles cover 360 rad, 57.3 turns: are they in degrees?" in text for text in suspects(m)
+    )
 
 
 def test_every_angle_of_many_turns_is_asked_for_in_degrees() -> None:

@@ -44,6 +44,7 @@ def result() -> vfife.Result:
 def reliable() -> dict[str, Any]:
     """The summary with ranges without width."""
     summary = copy.deepcopy(result().summary)
+    summary.pop("start_fall", None)
     for name, bounds in summary["ranges"].items():
         bounds |= {"low": summary["measures"][name], "high": summary["measures"][name]}
     summary["trust"] |= {"sensitive": False}

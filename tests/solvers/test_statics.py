@@ -196,3 +196,65 @@ def test_the_displacement_of_a_rigid_body_is_that_of_its_centre_of_mass() -> Non
     assert result.measures["displacement.max"] == pytest.approx(0.2 * math.sin(0.15), rel=1e-5)
     moved = result["lever.x"][-1] - result["lever.x"][0], result["lever.y"][-1] - result["lever.y"][0]
     assert math.hypot(*moved) == pytest.approx(result.measures["displacement.max"], rel=1e-9)
+
+
+def said_of_a_leap(m: Mechanism) -> str:
+    """What a run says of a leap; empty if it says nothing."""
+    texts = vfife.simulate(m, companions=0).summary["warnings"]
+    return next((text for text in texts if "leaps" in text), "")
+
+
+@pytest.mark.parametrize(
+    "factors", [(0.001, 1.0), (0.01, 1.0), (0.02, 1.0), (0.0, 1.0), (0.01, 0.5, 0.501, 1.0), (0.5, 0.51, 1.0)]
+)
+def test_a_linear_structure_does_not_leap_whatever_its_load_factors_are(factors: tuple[float, ...]) -> None:
+    m = beam(*factors)
+    m.loads["P"] = PointForce(name="P", at="b.end", force=(0.0, 1e-4))
+    assert said_of_a_leap(m) == ""
+
+
+def test_a_linear_structure_under_a_table_of_loads_does_not_leap() -> None:
+    """The table, not the load factor, states by how much the load rises."""
+    m = beam(0.5, 0.9, 1.0)
+    table = {"times": (0.0, 0.9, 1.0), "factors": (0.0, 0.01, 1.0)}
+    m.loads["P"] = PointForce(name="P", at="b.end", force=(0.0, 1e-4), **table)
+    assert said_of_a_leap(m) == ""
+
+
+def truss(*factors: float, rise: float = 0.2) -> Mechanism:
+    """Von Mises' truss of half span 1 m and EA = 1 MN under a unit force (N) at its apex."""
+    m = Mechanism("truss", settings=Settings(analysis="static", load_factors=factors))
+    m.point("A", 0.0, 0.0)
+    m.point("B", 2.0, 0.0)
+    size, angle = math.hypot(1.0, rise), math.atan2(rise, 1.0)
+    section, steel = Section(1e-3, 1e-9), Material(youngs_modulus=1e9)
+    bar = {"length": size, "mass": 1.0, "model": "two-particle", "release": "both", "section": section}
+    m.link("left", angle=angle, material=steel, **bar)
+    m.link("right", angle=math.pi - angle, material=steel, **bar)
+    for name, ends in {"a": ("ground.A", "left.start"), "b": ("ground.B", "right.start")}.items():
+        m.revolute(name, *ends)
+    m.revolute("c", "left.end", "right.end")
+    m.loads["P"] = PointForce(name="P", at="left.end", force=(0.0, -1.0))
+    return m
+
+
+LIMIT = 2e6 * 0.2**3 / (3.0 * math.sqrt(3.0))  # N, of a flat truss: 2 EA (rise/half span)^3/3 sqrt(3)
+
+
+@pytest.mark.parametrize(
+    ("shares", "words"),
+    [
+        ((0.25, 0.5, 0.75, 0.9, 1.02), "snapped through"),
+        ((0.8, 0.9, 0.91, 1.0, 1.01), "snapped through"),
+        ((0.5, 0.55, 1.05), "may have been passed"),
+        ((0.01, 1.1), "may have been passed"),
+        ((0.01, 0.9), ""),
+        ((0.1, 0.9), ""),
+        ((0.01, 0.1, 0.2, 0.9), ""),
+    ],
+)
+def test_a_truss_that_snaps_through_leaps_and_below_its_limit_load_it_does_not(
+    shares: tuple[float, ...], words: str
+) -> None:
+    said = said_of_a_leap(truss(*(share * LIMIT for share in shares)))
+    assert words in said and bool(said) == bool(words)

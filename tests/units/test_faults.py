@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import pickle
+import re
+
+import pytest
 
 from vfife.errors import Fault
+from vfife.results.parameters import Varied
+from vfife.units import number
 
 
 def test_a_fault_has_its_place_in_keys_and_words() -> None:
@@ -38,3 +43,23 @@ def test_a_fault_is_a_value_that_is_kept_between_processes() -> None:
 def test_a_fault_that_ends_with_a_question_has_no_full_stop() -> None:
     assert str(Fault("path", "did you mean this?")) == "path: did you mean this?"
     assert str(Fault("path", "too large", "2")) == "path = 2: too large."
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "hint"),
+    [
+        ("2.2 kNm", "N m", 'write it with a space, "kN m"'),
+        ("2200 Nmm", "N m", 'write it with a space, "N mm"'),
+        ("960 upm", "rad/s", 'write revolutions per minute as "rpm"'),
+    ],
+)
+def test_a_unit_of_a_catalogue_has_its_spelling_in_the_message(text: str, unit: str, hint: str) -> None:
+    with pytest.raises(Fault, match=re.escape(hint)):
+        number(text, unit)
+
+
+def test_a_number_of_a_study_comes_back_in_the_unit_in_which_it_is_written() -> None:
+    for unit, si in (("rpm", "rad/s"), ("mm", "m"), ("deg", "rad"), ("um", "m")):
+        varied = Varied("x", (), si, "values", written=unit)
+        for digits in (*range(1, 1000), 0.1, 0.3, 12.7, 199.9):
+            assert varied.in_written_unit(number(f"{digits} {unit}", si)) == digits

@@ -29,6 +29,14 @@ ONE_RUN = {
     "report": "; a report is of one run. vfife plot RUN RUN overlays runs, vfife info RUN RUN compares them",
     "animate": "; a film is of one run. vfife plot RUN RUN overlays runs",
 }
+# Options that replace a file in other commands.
+LIMITS = {
+    "wear": (
+        "'--force' requires",
+        " It is the joint force that ends the life, as in --force '2 kN'. A wear file is continued, not"
+        " replaced: name another one with -o.",
+    )
+}
 
 
 class FastParsing:
@@ -47,6 +55,9 @@ class FastParsing:
             options = {name for option in self.get_params(ctx) for name in option.opts}  # type: ignore[attr-defined]
             if "unexpected extra argument" in str(getattr(error, "message", "")):
                 remedy = "; name a series with --of" if "--of" in options else ONE_RUN.get(ctx.info_name, "")
+                error.message += remedy  # type: ignore[attr-defined]
+            option, remedy = LIMITS.get(str(ctx.info_name), ("", ""))
+            if option and option in str(getattr(error, "message", "")):
                 error.message += remedy  # type: ignore[attr-defined]
             print_fault(str(getattr(error, "format_message", error.__str__)()), BAD_INPUT)
             raise

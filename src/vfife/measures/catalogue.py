@@ -157,6 +157,12 @@ LOSSES = MeasureGroup(
     ("contact_friction_work",),
 )
 VOLUMES = MeasureGroup(wear_volumes, {"bearing_wear.total": "m^3", "journal_wear.total": "m^3"})
+ACTUATORS = MeasureGroup(
+    largest_actuator_forces,
+    {"actuator_force.max": "N", "actuator_torque.max": "N m"},
+    ("actuator_force_max",),
+)
+FORCES: Groups = (LOADS, ACCELERATIONS, ACTUATORS)  # the largest forces and torques of all steps
 PEAKS: Groups = (LOADS, PENETRATIONS, ACCELERATIONS)  # extremes between outputs, by which a step is judged
 OVER_TURN: Groups = (
     *PEAKS,
@@ -168,10 +174,7 @@ OVER_TURN: Groups = (
         },
         ("driven_work", "particle_theta"),
     ),
-    MeasureGroup(
-        largest_actuator_forces, {"actuator_force.max": "N", "actuator_torque.max": "N m"},
-        ("actuator_force_max",)
-    ),
+    ACTUATORS,
     MeasureGroup(
         actuator_powers, {"actuator_power.mean": "W"}, ("actuator_work", "actuator_power", "particle_x")
     ),

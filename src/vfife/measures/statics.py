@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +45,46 @@ KINDS = (MOVED, "force.max", "moment.max", "torque.max", "penetration.max")
 POSITION_ROUNDING = 2.0 * 2.2e-16
 LOADS = (".force.max", ".moment.max", ".torque.max")
 TURNING = (".moment.max", ".torque.max")
+
+
+# Displacement of a load step per load over that of the step before: a limit load was passed; after a step of
+# many times the load, which has a share of the path before the limit, it may have been.
+SNAP, SNAP_OF_COARSE = 20.0, 3.0
+TINY = 1e-12  # of a step: less before it is rounding
+LARGE = 0.05  # of the largest displacement: smaller steps are no leaps
+
+
+class Leap(NamedTuple):
+    """A step of the displacement (m) to a load factor, and its ratio to the step before per load."""
+
+    load_factor: float
+    size: float
+    by_load: float
+
+
+def first_leap(record: Record) -> Leap | None:
+    """Return the first step of the displacement that is much larger per load than the one before, or None.
+
+    The load of a step is that of the load or drive that changes most beside the step before: a linear
+    structure moves in proportion to them. Gravity, and drives at constant speed, have the load factor.
+    """
+    moved, factors = displacement(record), times(record)
+    loads = record.block("function_value").T
+    if any(record.assembly.mechanism.gravity) or not loads.any():
+        loads = np.vstack([factors, loads])
+    steps, changes = np.diff(moved), np.abs(np.diff(loads, axis=1))
+    for k in range(1, len(steps)):
+        growth = max(
+            (change / former if former > 0.0 else math.inf)
+            for former, change in changes[:, k - 1 : k + 1].tolist()
+            if change > 0.0 or former > 0.0
+        ) if changes[:, k - 1 : k + 1].any() else 1.0  # fmt: skip
+        if not 0.0 < growth < math.inf or steps[k] <= LARGE * moved.max():
+            continue
+        ratio = float(steps[k]) / max(abs(float(steps[k - 1])), TINY * float(steps[k]))
+        if ratio > SNAP * growth or (ratio > SNAP and ratio > SNAP_OF_COARSE * growth):
+            return Leap(float(factors[k + 1]), float(steps[k]), ratio / growth)
+    return None
 
 
 def displacement(record: Record) -> Array:

@@ -7,6 +7,7 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..numerics.elementwise import hypot
 from ..solvers.record import Record
@@ -21,6 +22,8 @@ CONTACT_SHARE = 0.9  # of the outputs at which the journal must be near the bear
 SURFACE = 0.95  # of the clearance: an eccentricity near the surface
 CERTAIN = 3.0  # standard errors of a mean over the outputs, which it must exceed
 FEWEST = 20  # outputs of a mean
+TURNS_AROUND = 2.0  # around the bearing, which a swing between two places of contact does not make
+PARTS, SUSTAINED = 4, 0.2  # of the time, in each of which the mean rate is at least this share of that of all
 
 
 class Whirl(NamedTuple):
@@ -33,9 +36,10 @@ class Whirl(NamedTuple):
 def backward_whirls(record: Record) -> dict[str, Whirl]:
     """Return the whirl of each joint whose journal went round backward over the second half of the run.
 
-    Joints are left out if their journals leave the surface. The rate is the mean over the outputs of the
-    relative velocity of the centres across the eccentricity. Angles of the eccentricity would need outputs
-    that are closer than a turn around the bearing.
+    Joints are left out if their journals leave the surface, or do not go round whole turns: a journal that
+    crosses its bearing where the load changes its side is fast for a moment and returns. The rate is the mean
+    over the outputs of the relative velocity of the centres across the eccentricity. Angles of the
+    eccentricity would need outputs that are closer than a turn around the bearing.
 
     Friction pushes a journal that turns and slides in its bearing against its rotation. If that push
     exceeds what damps the motion around the bearing, the journal speeds up until it rolls. With rotation W
@@ -52,6 +56,7 @@ def backward_whirls(record: Record) -> dict[str, Whirl]:
     away, speed = eccentricity(part), relative_velocity(part)
     # Turns that repeat are no more samples than one of them.
     samples = min(len(part.steps), outputs_of_a_turn(assembly) or len(part.steps))
+    duration = float(part.steps[-1] - part.steps[0]) * assembly.choice.step
     result: dict[str, Whirl] = {}
     for k, name in enumerate(assembly.contacts):
         if topology.contact_kind[k] != KINDS.index("bearing"):
@@ -66,6 +71,15 @@ def backward_whirls(record: Record) -> dict[str, Whirl]:
         rate, error = float(np.mean(rates)), float(np.std(rates)) / math.sqrt(samples)
         spin, size = float(np.mean(journal - bearing)), float(np.mean(np.abs(journal - bearing)))
         backward = rate * spin < 0.0 and abs(rate) > FAST * size and abs(spin) > ONE_WAY * size
-        if np.mean(near) >= CONTACT_SHARE and backward and abs(rate) > CERTAIN * error:
+        certain = abs(rate) > CERTAIN * error and _goes_round(rates, rate, duration)
+        if np.mean(near) >= CONTACT_SHARE and backward and certain:
             result[name] = Whirl(rate, spin)
     return result
+
+
+def _goes_round(rates: NDArray[np.float64], mean: float, duration: float) -> bool:
+    """Return whether ``rates`` (rad/s) with this ``mean`` over a ``duration`` (s) make whole turns, and last:
+    in each part of the time.
+    """
+    parts = [float(np.mean(part)) * math.copysign(1.0, mean) for part in np.array_split(rates, PARTS)]
+    return abs(mean) * duration >= TURNS_AROUND * 2.0 * math.pi and min(parts) >= SUSTAINED * abs(mean)

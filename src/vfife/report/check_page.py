@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..job.progress import amount_of_bytes, span
+from ..job.progress import amount_of_bytes, counted, span
 from ..measures.catalogue import is_ideal_zero
 from ..model.surfaces import surface_words
 from .digits import ABOUT_ZERO, RADIAL
@@ -23,20 +23,17 @@ LIMITS = 3  # limits of the step that are shown at once
 
 
 ROWS = 30  # of a table
+SCREEN = 20  # lines of an answer, after which its beginning may have left the screen
+HEAD = 3  # lines of a table without rows
 
 
 def document(check: Mapping[str, Any], long: bool = False) -> Document:
     """Return the document of a check: mechanism, step and cost of a run; with all defaults, limits and rows
-    if ``long``.
+    if ``long``. Cautions come first, but at the end of an answer that is longer than a screen.
     """
     limit = None if long else ROWS
-    texts = (note.strip() for note in (check["note"], *check["notes"]) if note)
-    parts: list[Part] = [
-        Paragraph(f"  ({check['file']})", lead=check["model"]),
-        *paragraphs(list(texts), style="caution"),
-        Paragraph(""),
-    ]
-    parts += [*_bodies(check["bodies"], limit), *_joints(check["joints"], limit)]
+    notes = [note.strip() for note in check["notes"] if note]
+    parts: list[Part] = [*_bodies(check["bodies"], limit), *_joints(check["joints"], limit)]
     if check["couplings"]:
         ends = [" and ".join(filter(None, (pair["first"], pair["second"]))) for pair in check["couplings"]]
         rows = [(pair["name"], pair["what"], end) for pair, end in zip(check["couplings"], ends, strict=True)]
@@ -61,7 +58,21 @@ def document(check: Mapping[str, Any], long: bool = False) -> Document:
                 " lists them."
             )
         )
-    return Document(parts, data=check)
+    begin, end = notes, list[str]()
+    if notes and _is_long(parts):
+        begin, end = [f"{counted(len(notes), 'caution')} at the end of this answer."], notes
+    head = [
+        Paragraph(f"  ({check['file']})", lead=check["model"]),
+        *paragraphs([note.strip() for note in (check["note"],) if note] + begin, style="caution"),
+        Paragraph(""),
+    ]
+    return Document([*head, *parts, *paragraphs(end, style="caution")], data=check)
+
+
+def _is_long(parts: Sequence[Part]) -> bool:
+    """Return whether parts of an answer fill more than a screen, above which cautions scroll away."""
+    lines = sum(len(part.rows) + HEAD if isinstance(part, Table) else 1 for part in parts)
+    return lines > SCREEN
 
 
 def _bodies(bodies: Sequence[Mapping[str, Any]], limit: int | None) -> Iterator[Part]:

@@ -13,7 +13,7 @@ from ..measures.wear import SIDES
 from ..model.surfaces import body_of, surface_words
 from ..numerics.outward import DOWN, UP, rounded
 from .amounts import percent, prefixed, quantities, turns_words
-from .cautions import rebound_cautions
+from .cautions import fall_remark, rebound_cautions
 from .design_words import (
     MISSING,
     UNKNOWN,
@@ -373,8 +373,8 @@ def value_cautions(design: Design) -> Iterator[str]:
         yield f"{subject} is {verb} turns {begin} to {design.turns} of each machine."
     elif design.turns == 1:
         yield (
-            f"{subject} is that of the first turn of each machine, which begins with the start of the run; it"
-            " may be that of the journals as they fall onto their bearings. --turns 2 takes the second turn."
+            f"{subject} is that of the first turn of each machine, which begins with the start of the run."
+            f" {fall_remark(design.mechanism, True)}".rstrip()
         )
 
 

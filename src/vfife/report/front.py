@@ -20,7 +20,7 @@ from .design_words import and_words, or_words
 from .digits import CERTAIN, Json, ideal_force_text, is_undetermined, turns_text, uncertainty
 from .document import Element, Facts, Paragraph, Part, Section, Table
 from .noise import blow, hardest_joints, knock_speed, rivals
-from .overview import certainty, clearance_note, interrupted_length, joint_table
+from .overview import certainty, clearance_note, has_fall, interrupted_length, joint_table
 from .run_tables import NONE_BEGAN, force_text, influence_text, knock_texts, may_not_knock
 
 LARGEST_LOGO = 1_000_000  # bytes
@@ -117,14 +117,16 @@ def front_page(summary: Json, picture: Part | None) -> Section:
 
 def conclusion(summary: Json) -> list[str]:
     """Return sentences on the cost of clearance, the joint that differs most, the joints that knock, and how
-    certain the numbers are.
+    certain the numbers are; this first where the largest forces are those of the fall at the start.
     """
     if summary["run"].get("analysis") == "static":
         run = summary["run"]
         return [f"The analysis found {run['reached']} of {run['load_factors']} equilibria."]
     certain, length = without_options(certainty(summary)), interrupted_length(summary)
     part = f"The run was interrupted after {length}; all values are of that part." if length else ""
-    return [text for text in (part, _cost(summary), _joint(summary), _knocks(summary), certain) if text]
+    texts = [_cost(summary), _joint(summary), _knocks(summary)]
+    texts = [certain, *texts] if has_fall(summary) else [*texts, certain]
+    return [text for text in (part, *texts) if text]
 
 
 def without_options(text: str) -> str:

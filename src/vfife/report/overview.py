@@ -90,7 +90,9 @@ def overview(summary: Json) -> Document:
     if summary["run"].get("analysis") == "static":
         return document(summary, MOST_FACTORS)
     parts: list[Part] = [Paragraph(heading_sentence(summary), style="strong")]
-    parts += paragraphs([certainty(summary)], style="alarm" if uncertain(summary) else "good")
+    parts += paragraphs(
+        [certainty(summary)], style="alarm" if uncertain(summary) or has_fall(summary) else "good"
+    )
     table = joint_table(summary)
     parts += [table] if table.rows else []
     facts = [
@@ -177,12 +179,35 @@ def uncertain(summary: Json) -> bool:
 
 def certainty(summary: Json) -> str:
     """Return how far the forces, moments and torques of a run can be trusted, in one or two sentences."""
-    sentences = [_with_meshes(summary), law_sentence(summary), period_sentence(summary)]
+    sentences = [
+        fall_sentence(summary),
+        _with_meshes(summary),
+        law_sentence(summary),
+        period_sentence(summary),
+    ]
     if without_turns(summary):
         sentences.append(
             f"{UNCOMPARED[0].upper()}{UNCOMPARED[1:]}: all values are those of the last turn alone."
         )
     return " ".join(sentence for sentence in sentences if sentence)
+
+
+def has_fall(summary: Json) -> bool:
+    """Return whether the largest forces are those of the fall of journals at the start."""
+    return bool(summary.get("start_fall")) and summary["status"] not in FAILURES
+
+
+def fall_sentence(summary: Json) -> str:
+    """Return that the largest forces are those of the fall of journals at the start, with the number of the
+    caution that explains it; "" for other runs.
+    """
+    if not has_fall(summary):
+        return ""
+    number = list(cautions(summary)).index(summary["warnings"][summary["start_fall"]["index"]]) + 1
+    return (
+        "The largest forces are those of the journals' fall at the start, not of the machine: see caution"
+        f" {number}."
+    )
 
 
 def _with_meshes(summary: Json) -> str:

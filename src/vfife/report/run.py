@@ -66,10 +66,13 @@ def document(summary: Json, limit: int = FACTORS) -> Document:
         warnings = [Caution(text) for text in (*summary["warnings"], *run["notes"])]
         return Document([*title, *equilibria(summary, limit), *warnings])
     leading = verdict(summary)
-    title += paragraphs([leading], style="alarm")
+    first = [summary["warnings"][fall["index"]]] if (fall := summary.get("start_fall")) else []
+    title += paragraphs([leading, *first], style="alarm")
     notes = [Paragraph(text) for text in run["notes"]]
     body: list[Part] = [Facts(facts(summary)), *notes, *tables(summary), *paragraphs(footnotes(summary))]
-    return Document([*title, *body, *(Caution(text) for text in summary["warnings"] if text != leading)])
+    return Document(
+        [*title, *body, *(Caution(text) for text in summary["warnings"] if text not in (leading, *first))]
+    )
 
 
 def footnotes(summary: Json) -> list[str]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ..measures.values import NOT_ESTIMATED
 from ..numerics.outward import DOWN, UP, significant_range
 from .amounts import decimals, fixed_point, quantities, quantity
+from .cautions import fall_caution, fall_of
 from .document import Caution, Document, Paragraph, Part, Table, incomplete, paragraphs
 
 if TYPE_CHECKING:
@@ -139,6 +140,7 @@ def comparison(result: Comparison, folder: str = "", files: Sequence[str] = ()) 
         Table(heads, rows, numbers=range(2, 10), names=(0, 1)),
         *_ranges(result),
         Paragraph(note),
+        *paragraphs(_fall(result)),
         *([Paragraph(f"{folder} ({', '.join(files)})", lead="Folder: ")] if folder else []),
     ]
     title = f"{result.mechanism}: joint{'s' * (len(result.joints) > 1)} {', '.join(result.joints)}"
@@ -201,6 +203,17 @@ def comparison_data(result: Comparison) -> dict[str, Any]:
         "planned": result.planned,
         "runs": result.rows,
     }
+
+
+def _fall(result: Comparison) -> list[str]:
+    """Return a sentence on each run whose largest forces are those of the fall at the start."""
+    sentences = []
+    for row, run in zip(result.rows, getattr(result, "results", ()), strict=False):
+        assembly = run.record.assembly
+        if not run.record.static and (fall := fall_of(run)):
+            text = fall_caution(fall, assembly.mechanism, assembly.choice.turn is not None)
+            sentences.append(f"{row['contact']} with {row['friction']}: {text}")
+    return sentences
 
 
 def _part(result: Comparison) -> str:

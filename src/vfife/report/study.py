@@ -11,13 +11,15 @@ import numpy as np
 
 from ..job.progress import counted
 from ..laws.stored import standing_in
-from ..measures.catalogue import CASE, COUNTED, COUNTS_KEY, LAST, counted_from_start
+from ..measures.catalogue import CASE, COUNTED, COUNTS_KEY, LAST, counted_from_start, is_reduction
+from ..measures.landings import FORCE_ENDINGS
 from ..modelfile import loads
 from ..numerics.outward import DOWN, NEAREST, UP, significant
 from ..results.case_errors import NOT_ESTIMATED
 from ..store.lock import holder
 from .amounts import Digits, limit_digits, limit_quantity, prefixed, quantities, quantity, quantity_of_digits
 from .case_errors import digits_of, error_table, error_words, errors_data, sensitivity_data, study_cautions
+from .cautions import fall_remark
 from .document import Caution, Document, Paragraph, Part, Table, incomplete
 
 if TYPE_CHECKING:
@@ -246,7 +248,7 @@ def remarks_on_turns(study: Study) -> list[str]:
 
 def remarks_on_start(study: Study) -> list[str]:
     """Return which measures are counted from the start of each case on, with the key that counts them over
-    the last turns; which are counted over these.
+    the last turns; which are counted over these; and which may be largest forces of the fall at the start.
     """
     plan = study.request["wanted"]
     counts = plan.get("counts", CASE)
@@ -262,6 +264,16 @@ def remarks_on_start(study: Study) -> list[str]:
         part = "last turn" if plan["last"] == 1 else f"last {plan['last']} turns"
         start = ", which is also the first" if plan["last"] == plan["turns"] == 1 else ""
         remarks.append(f"{', '.join(later)}: counted over the {part} of each case{start}.")
+    forces = [
+        name
+        for name in study.measures
+        if name.endswith(FORCE_ENDINGS) or (is_reduction(name) and name.endswith(("force)", "torque)")))
+    ]
+    if forces and (plan.get("duration") or plan["last"] == plan["turns"]):
+        with standing_in(study.request["own_laws"]):
+            mechanism = loads(study.request["text"])
+        if remark := fall_remark(mechanism, not plan.get("duration")):
+            remarks.append(f"{', '.join(forces)}: values of each case include its start. {remark}")
     return remarks
 
 

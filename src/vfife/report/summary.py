@@ -28,6 +28,8 @@ from ..model.wear import deepest
 from ..solvers.record import Record
 from ..solvers.refinement import worth_other_meshes, worth_refining
 from .cautions import (
+    fall_caution,
+    fall_of,
     largest_by_joint,
     law_cautions,
     static_cautions,
@@ -64,7 +66,9 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
     ``blows`` (in closed contact, by joint: ``excess`` and ``lowest`` in N, ``crank`` in degrees), ``ground``
     (what bounds the shaking force of a run with contact), ``dead_centres``, ``conformal``, ``law_facts``,
     ``surface_facts``, ``remarks``, ``warnings``, ``law_dependent`` (joints whose forces depend more on the
-    contact law than on the step, with the index of the warning) and, of a model with stops, ``stops``
+    contact law than on the step, with the index of the warning), of a run whose largest forces are those of
+    the fall of journals at its start ``start_fall`` (``joints``, ``time`` in s, ``measures``, and the index
+    of the warning) and, of a model with stops, ``stops``
     (contacts that the outputs show, by name) with the ``stop_interval`` of the outputs (s), and of a model
     with drivers of sliders or points ``actuators`` and, of one with elastic bodies in motion,
     ``meshes_not_covered`` (elements of the bodies whose mesh error is in no range) are what the document of
@@ -132,13 +136,20 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
 
 
 def _cautions(result: RunData, leading: str) -> Json:
-    """Warnings, and the joints whose forces depend more on the contact law than on the step."""
+    """Warnings, the joints whose forces depend more on the contact law than on the step, and the fall at the
+    start.
+    """
     if result.record.static:
         return {"warnings": list(static_cautions(result)), "law_dependent": {}}
     of_laws = law_cautions(result)
     warnings = list(transient_cautions(result, leading, of_laws))
+    entry = {}
+    if fall := fall_of(result):
+        assembly = result.record.assembly
+        warnings.insert(0, fall_caution(fall, assembly.mechanism, assembly.choice.turn is not None))
+        entry = {"start_fall": dataclasses.asdict(fall) | {"index": 0}}
     dependent = {name: warnings.index(text) for name, text in of_laws.items()}
-    return {"warnings": warnings, "law_dependent": dependent}
+    return {"warnings": warnings, "law_dependent": dependent, **entry}
 
 
 def _actuators(result: RunData, ideal: Any) -> Json:

@@ -32,8 +32,9 @@ class Varied:
         if there is one.
         """
         factor = self.written_factor
-        short = float(f"{value / factor:.15g}")
-        return short if short * factor == value else value / factor
+        digits = f"{value / factor:.15g}"
+        # Exact, as units are read: a product with the factor may miss by one rounding, as of 200 rpm.
+        return float(digits) if quantity_in_si(digits, self.written) == value else value / factor
 
     @property
     def gridded(self) -> bool:

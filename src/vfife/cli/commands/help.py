@@ -36,7 +36,7 @@ SUBCOMMANDS = {
 # Pages of the documentation by file: title, and words that users search for.
 PAGES = {
     "zero": ("From zero to a design answer", "tutorial example begin compressor clearance"),
-    "first-run": ("Reading a run", "summary ideal force begin blow knock"),
+    "first-run": ("Reading a run", "summary ideal force begin blow knock motor flywheel torque rms size"),
     "install": ("Installation", "pip windows conda linux macos licence"),
     "designer": (
         "For the designer",
@@ -106,18 +106,28 @@ KEY_WORDS = {
     "bore": "cylinder piston diameter",
     "clearance": "fit ISO 286",
     "driver": "motor drive actuator",
-    "torque": "motor",
+    "torque": "motor power",
     "speeds": "motor curve characteristic",
     "bearing": "bush housing",
     "journal": "shaft pin",
     "gravity": "weight",
     "mass": "weight",
+    "start_inertia": "flywheel gear",
+    "end_inertia": "flywheel gear",
     "points": "cam groove",
     "elements": "mesh",
 }
 # Endings of measures by the words that find them.
 MEASURE_WORDS = {
     "noise knock": ("approach_speed.max", "impacts", "impact_power.mean"),
+    "motor size rating": (
+        "torque.max",
+        "torque.rms",
+        "power.mean",
+        "actuator_force.max",
+        "actuator_power.mean",
+    ),
+    "flywheel inertia uniformity fluctuation": ("energy_fluctuation",),
     "top bottom dead centre center tdc bdc stroke end travel slider": ("position.low", "position.high"),
 }
 # Measures that only a static analysis has: what they are, and words that find them.

@@ -5,6 +5,7 @@ from functools import cached_property
 from typing import Any, ClassVar, Literal
 
 from ...schema import Choice, FreeList, Measure, described
+from ...units import in_rpm
 from ..geometry.polynomials import Polynomials, constant
 from ..geometry.tabulated import INTERPOLATIONS, JOINING, Interpolation, extended, table
 from .driver import Driver
@@ -99,4 +100,6 @@ class Torque(Driver):
         if isinstance(self.value, int | float):
             return f"{quantity_name} {self.value:.6g} {newton}"
         span = f"{min(self.value):.6g} to {max(self.value):.6g} {newton}"
+        if self.speeds and not self.is_linear:
+            argument_text += f" up to {self.speeds[-1]:.6g} rad/s ({in_rpm(self.speeds[-1])})"
         return f"table of {len(self.value)} {quantity_name}s{argument_text}, {span}"

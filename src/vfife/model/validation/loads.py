@@ -1,18 +1,33 @@
-"""Checks of loads: where they act, the guide or crank that they depend on, and their tables."""
+"""Checks of loads: where they act, the guide or crank that they depend on, and their tables; cautions about
+tables of loads and drivers that look like those of another unit.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 from ...errors import Fault, Path
+from ...units import in_rpm
 from ..bodies import PointMass
-from ..functions import turning_speed
+from ..functions import turn_of, turning_speed
 from ..geometry.expression import VARIABLES, parse
 from ..geometry.tabulated import ApproximationError, closes, sampled
 from ..loads.load import ARGUMENTS
 from ..rows import AcrossGuide, place_row, turn_row
 from .checks import Checks, readable, rows_of, shown_name
+from .magnitudes import FASTEST
 
+if TYPE_CHECKING:
+    from ..mechanism import Mechanism
+
+FULL_TURN = 2.0 * math.pi
+MANY_TURNS = 10.0  # of a table over angles
+LATE = 100.0  # times the run, the extent of a table over time; milliseconds taken for seconds: 1000
+RETURN = 0.25  # of the range of angles, by which a motion that swings back may miss its begin
+# rad/s; a larger speed without decimals may be meant in revolutions per minute. 500 rad/s are 4,775 rpm.
+FAST = 500.0
 REPEATS = ("times", "angles")
 
 
@@ -236,3 +251,64 @@ def check_repeat(checks: Checks, path: Path, load: Any, axis: str, value: str) -
     elif isinstance(values, tuple | list) and len(values) > 1 and None not in values and not closes(values):
         problem = f"a table that repeats itself begins at {values[0]:g} and ends at {values[-1]:g}"
         checks.add((*path, value), problem, "give its last place the value of the first, or remove repeat")
+
+
+# ---------------------------------------------------------------------------------- tables in other units
+
+
+def suspect_tables(mechanism: Mechanism) -> Iterator[str]:
+    """Caution about speeds, angles and times of tables that look like those of another unit."""
+    length = _length_of_run(mechanism)
+    for section, entries in (("driver", mechanism.drivers), ("load", mechanism.loads)):
+        for name, entry in entries.items():
+            path = f"{section}.{name}"
+            linear = section == "load" or getattr(entry, "is_linear", False)
+            yield from _table_speeds(f"{path}.speeds", getattr(entry, "speeds", None) or (), linear)
+            if not (section == "driver" and linear):
+                yield from _table_angles(f"{path}.angles", getattr(entry, "angles", None) or (), rises=True)
+                if section == "driver":
+                    values = getattr(entry, "values", None) or ()
+                    yield from _table_angles(f"{path}.angles", values, rises=False)
+            times = getattr(entry, "times", None) or ()
+            if length and times and times[-1] - times[0] > LATE * length:
+                yield (
+                    f"{path}.times cover {times[-1] - times[0]:.6g} s, {(times[-1] - times[0]) / length:,.0f}"
+                    f" times the run of {length:.4g} s: are they in ms? Numbers without a unit are seconds."
+                )
+
+
+def _length_of_run(mechanism: Mechanism) -> float:
+    """Return the length (s) of a run as the model states it; 0 for a static analysis or without any."""
+    settings, turn = mechanism.settings, turn_of(mechanism)
+    if settings.analysis == "static":
+        return 0.0
+    return settings.duration or (settings.turns or 0.0) * (turn or 0.0)
+
+
+def _table_speeds(path: str, speeds: tuple[float, ...], linear: bool) -> Iterator[str]:
+    """Caution about ``speeds`` (rad/s; linear: m/s) that may be in rpm or mm/s."""
+    highest = max(map(abs, speeds), default=0.0)
+    if linear and highest > FASTEST:
+        yield (
+            f"{path} reach {highest:.6g} m/s, faster than the parts of most machines: are they in mm/s?"
+            " Numbers without a unit are m/s."
+        )
+    if not linear and highest >= FAST and all(speed == round(speed) for speed in speeds):
+        yield (
+            f"{path} reach {highest:,.0f} rad/s, which is {in_rpm(highest)}: are they in rpm? Numbers"
+            " without a unit are rad/s."
+        )
+
+
+def _table_angles(path: str, angles: tuple[float, ...], rises: bool) -> Iterator[str]:
+    """Caution about ``angles`` (rad) of more than a turn that may be in degrees: whole numbers, those of a
+    motion that swings back, or, where a table ``rises`` with them, many turns.
+    """
+    extent = max(angles, default=0.0) - min(angles, default=0.0)
+    integers = all(angle == round(angle) for angle in angles)
+    swings = not rises and bool(angles) and abs(angles[-1] - angles[0]) <= RETURN * extent
+    if extent > FULL_TURN and (integers or swings or (rises and extent > MANY_TURNS * FULL_TURN)):
+        yield (
+            f"{path} cover {extent:.6g} rad, {extent / FULL_TURN:.3g} turns: are they in degrees? Numbers"
+            " without a unit are radians."
+        )

@@ -47,6 +47,7 @@ OTHER_LENGTHS = "clearance", "axial_length", "landing_depth", "bearing_radius", 
 SLIM = 20_000.0  # times the radius of gyration of a section, lengths of links; wires have 1,000
 DEEP = 20.0  # times that radius, the distance of the outermost fibre: a rectangle has 1.7
 SHALLOW = 0.9  # times that radius; no section has less than 1
+SUNK = 0.1  # of the radius of a bearing, the last penetration of a measured law
 SLOW = 0.5  # m/s, above which no friction law has its peak or ramp, and every impact is an impact
 FASTEST = 60.0  # m/s; pistons of racing engines have 45
 
@@ -223,8 +224,10 @@ def _suspect_contact(name: str, joint: Contact) -> Iterator[str]:
     """Caution about lengths along the axis, depths of penetration and speeds of laws beyond any contact's."""
     reach = joint.reach
     depth = getattr(joint.contact, "full_damping_depth", None) or 0.0
+    loading = getattr(joint.contact, "loading", None) or ((0.0, 0.0),)
     lengths = {
         "axial_length": (joint.axial_length, LONG_AXIS * reach),
+        "contact.loading": (loading[-1][0] * getattr(joint.contact, "penetration_factor", 1.0), SUNK * reach),
         "landing_depth": (joint.landing_depth or 0.0, getattr(joint, "clearance", reach)),
         "contact.full_damping_depth": (depth, reach),
     }

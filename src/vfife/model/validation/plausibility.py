@@ -13,6 +13,7 @@ from ...numerics.scalar import cos, distance, hypot, sin
 from ...units import in_rpm
 from ..bodies import Frame, Link, PointMass, RigidBody
 from .checks import connections, neighbours_of, reached
+from .loads import FAST, FULL_TURN, suspect_tables
 from .magnitudes import (
     OUT_OF_SCALE,
     extent,
@@ -28,14 +29,12 @@ if TYPE_CHECKING:
     from ..loads import Load
     from ..mechanism import Mechanism
 
-FULL_TURN = 2.0 * math.pi
 ANGLES = "angle", "zero_angle", "amplitude", "phase"  # keys of angles that a turn is enough for
 LEAST_OFFSET = 1e-6  # of a clearance: less is rounding of a place in the middle
 HIGH_FRICTION = 2.0  # rubber on dry concrete has about 1
 VACUUM = 0.2  # of the ambient pressure
 NEAR_VACUUM = 0.01  # of the ambient pressure: 10 mbar, which no piston reaches
 FAINT = 1e3  # Pa, below all pressures of machines; numbers of bar and MPa are
-MANY_TURNS = 10.0
 SEVERE_WEAR = 3e-11  # 1/Pa: K = 7e-3 over 0.3 GPa; numbers of mm^3/(N m) are above
 # Times what accelerates masses to the highest speed of a motor's curve within a radian and moves all loads:
 # more torque reaches that speed within a degree. One in N mm taken for N m is a factor of a thousand.
@@ -43,8 +42,7 @@ STRONG = 30.0
 HEAVY = 300.0  # times the median of the other masses; grams taken for kilograms: 1000
 LOOSE = 0.2  # of the bearing's radius, or of the block's height: clearances of machines are below 0.05
 MOST_TILT = math.radians(5.0)  # of a block in its guide; those of machines turn by 1 degree or less
-# rad/s; a larger speed without decimals may be meant in revolutions per minute. 500 rad/s are 4,775 rpm.
-FAST = 500.0
+USUAL_SPEED = 314.0  # rad/s, of a motor whose torque has no speeds: 3,000 rpm
 
 
 def suspects(mechanism: Mechanism) -> tuple[str, ...]:
@@ -62,6 +60,7 @@ def suspect_sizes(mechanism: Mechanism) -> tuple[str, ...]:
         *clearances_at_rest(mechanism),
         *_tilts(mechanism),
         *_speeds(mechanism),
+        *suspect_tables(mechanism),
         *_free_lengths(mechanism),
         *_positions(mechanism),
         *_frictions(mechanism),
@@ -145,9 +144,7 @@ def _frictions(mechanism: Mechanism) -> Iterator[str]:
 
 
 def _pressures(mechanism: Mechanism) -> Iterator[str]:
-    """Caution about pressures that do not fit the ambient one, and about tables over so many turns that their
-    angles may be in degrees.
-    """
+    """Caution about pressures that do not fit the ambient one."""
     for name, load in mechanism.loads.items():
         pressed = getattr(load, "pressed", False)
         lowest, highest = _pressure_bounds(load) if pressed else (0.0, 0.0)
@@ -159,11 +156,6 @@ def _pressures(mechanism: Mechanism) -> Iterator[str]:
             )
         elif load.ambient_pressure > 0.0:
             yield from _suspect_pressure(name, load.ambient_pressure, lowest, highest)
-        angles = load.places if load.axis == "angles" else ()
-        if len(angles) > 1 and angles[-1] - angles[0] > MANY_TURNS * FULL_TURN:
-            turns = (angles[-1] - angles[0]) / FULL_TURN
-            extent = f"The table of load.{name} covers {turns:.3g} turns of the crank"
-            yield f"{extent}: are its angles in degrees?"
 
 
 def _pressure_bounds(load: Load) -> tuple[float, float]:
@@ -219,17 +211,17 @@ def _wears(mechanism: Mechanism) -> Iterator[str]:
 
 
 def _torques(mechanism: Mechanism) -> Iterator[str]:
-    """Caution about curves of motors that are far too strong for masses, weights, loads and springs: torques
+    """Caution about torques of motors that are far too strong for masses, weights, loads and springs: torques
     in N mm. Ratios of gears and masses of frames are not known here.
     """
     if mechanism.gears or any(isinstance(body, Frame) for body in mechanism.bodies.values()):
         return
     for name, driver in mechanism.drivers.items():
         speeds = getattr(driver, "speeds", None)
-        if driver.is_linear or not speeds:
+        if driver.is_linear or driver.moves:
             continue
         values = _flat(getattr(driver, "value", 0.0))
-        torque, speed = max(map(abs, values)), max(map(abs, speeds))
+        torque, speed = max(map(abs, values)), max(map(abs, speeds or (USUAL_SPEED,)))
         usual = _usual_torque(mechanism, driver.body or name, speed)
         if usual > 0.0 and torque > STRONG * usual:
             yield (
@@ -278,12 +270,18 @@ def _masses(mechanism: Mechanism) -> Iterator[str]:
         for name, body in mechanism.bodies.items()
         if (mass := getattr(body, "mass", None)) and name not in mechanism.drivers
     }
-    for name, mass in masses.items():
+    at_pins = {
+        f"{name}.masses.{pin}": mass
+        for name, body in mechanism.bodies.items()
+        for pin, mass in (getattr(body, "masses", None) or {}).items()
+    }
+    for name, mass in (masses | at_pins).items():
         lighter = [value for body, value in masses.items() if body != name]
         if lighter and mass > HEAVY * median(lighter):
             yield (
-                f"body.{name}.mass is {mass:.4g} kg, {mass / median(lighter):,.0f} times the others that are"
-                f" not driven: is it {mass:.4g} g? Numbers without a unit are kilograms."
+                f"body.{name}{'' if name in at_pins else '.mass'} is {mass:.4g} kg,"
+                f" {mass / median(lighter):,.0f} times the others that are not driven: is it {mass:.4g} g?"
+                " Numbers without a unit are kilograms."
             )
 
 
@@ -352,6 +350,13 @@ def _speeds(mechanism: Mechanism) -> Iterator[str]:
             yield (
                 f"driver.{name}.speed is {speed:,.0f} rad/s, which is {in_rpm(speed)}: is it"
                 f" {speed:.0f} rpm? Numbers without a unit are rad/s."
+            )
+    for name, body in mechanism.bodies.items():
+        turning = abs(body.velocity[2])
+        if turning >= FAST and turning == round(turning):
+            yield (
+                f"body.{name}.velocity turns at {turning:,.0f} rad/s, which is {in_rpm(turning)}: is it"
+                f" {turning:.0f} rpm? Numbers without a unit are rad/s."
             )
 
 
