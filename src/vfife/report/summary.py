@@ -64,7 +64,8 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
     ``blows`` (in closed contact, by joint: ``excess`` and ``lowest`` in N, ``crank`` in degrees), ``ground``
     (what bounds the shaking force of a run with contact), ``dead_centres``, ``conformal``, ``law_facts``,
     ``surface_facts``, ``remarks``, ``warnings``, ``law_dependent`` (joints whose forces depend more on the
-    contact law than on the step, with the index of the warning) and, of a model with stops, ``stops``
+    contact law than on the step, with the index of the warning), ``law_shocks`` and ``law_loads`` (what else
+    the law decides, see :func:`_cautions`) and, of a model with stops, ``stops``
     (contacts that the outputs show, by name) with the ``stop_interval`` of the outputs (s), and of a model
     with drivers of sliders or points ``actuators`` and, of one with elastic bodies in motion,
     ``meshes_not_covered`` (elements of the bodies whose mesh error is in no range) are what the document of
@@ -132,13 +133,17 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
 
 
 def _cautions(result: RunData, leading: str) -> Json:
-    """Warnings, and the joints whose forces depend more on the contact law than on the step."""
+    """Warnings, and with the index of their warning the joints whose forces depend more on the contact law
+    than on the step (``law_dependent``), those whose shocks depend on both (``law_shocks``), and the
+    measures of all that shocks load (``law_loads``).
+    """
     if result.record.static:
         return {"warnings": list(static_cautions(result)), "law_dependent": {}}
     of_laws = law_cautions(result)
-    warnings = list(transient_cautions(result, leading, of_laws))
-    dependent = {name: warnings.index(text) for name, text in of_laws.items()}
-    return {"warnings": warnings, "law_dependent": dependent}
+    warnings = list(transient_cautions(result, leading, of_laws.texts))
+    keys = ("law_dependent", "law_shocks", "law_loads")
+    parts = ({name: warnings.index(text) for name, text in part.items()} for part in of_laws)
+    return {"warnings": warnings, **dict(zip(keys, parts, strict=True))}
 
 
 def _actuators(result: RunData, ideal: Any) -> Json:
