@@ -45,7 +45,7 @@ MOSTLY = 0.5
 # than a few per cent stay below 1.13.
 RAISED = 1.25
 # Share of the largest force, or of the largest moment or torque, below which another is left out.
-LEAST = 1e-3
+LEAST_LOAD = 1e-3
 BLOCKS = "contact_force_squared_max", "contact_penetration_max"
 ONSET_BLOCKS = "contact_slowness", "contact_onsets"
 
@@ -268,7 +268,7 @@ def shock_loads(
     That is a turn in which the load exceeds :data:`RAISED` times its ideal value, one of the measures
     ``reference``, in the same interval between outputs as a shock in a source, or in the one next to it.
     There, the force of the source exceeds :data:`RAISED` times its ideal value, or is the largest of the
-    turn. Turns of companions without outputs are not counted. Loads below :data:`LEAST` of the largest of
+    turn. Turns of companions without outputs are not counted. Loads below :data:`LEAST_LOAD` of the largest of
     their kind are left out.
     """
     raised, turns = dict[str, int](), 0
@@ -309,7 +309,7 @@ def _floors(loads: Mapping[str, Array], rows: slice) -> dict[str, float]:
         kind: max((peak for name, peak in peaks.items() if name.endswith(".force.max") == kind), default=0.0)
         for kind in (True, False)
     }
-    return {name: LEAST * largest[name.endswith(".force.max")] for name in peaks}
+    return {name: LEAST_LOAD * largest[name.endswith(".force.max")] for name in peaks}
 
 
 def _shock_intervals(

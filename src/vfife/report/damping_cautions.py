@@ -74,8 +74,8 @@ def shock_cautions(result: RunData, exceptions: Iterable[str]) -> dict[str, str]
     already.
     """
     mechanism, laws = result.record.assembly.mechanism, contact_laws(result.record)
-    every = _hard_shock_counts(result) | _shock_counts(result)
-    counts = {name: peaks for name, peaks in every.items() if name not in exceptions}
+    shocks = _hard_shock_counts(result) | _shock_counts(result)
+    counts = {name: peaks for name, peaks in shocks.items() if name not in exceptions}
     if not counts:
         return {}
     undamped = [name for name in counts if _is_undamped(*laws[name])]
@@ -180,10 +180,10 @@ def _raised(result: RunData, ratio: float) -> dict[str, RaisedPeaks]:
     if result.reference is None or result.record.static:
         return {}
     laws = contact_laws(result.record)
-    found = raised_peaks(result.record, result.reference.measures, result.motion, ratio)
+    counts = raised_peaks(result.record, result.reference.measures, result.motion, ratio)
     return {
         name: peaks
-        for name, peaks in found.items()
+        for name, peaks in counts.items()
         if name in laws and peaks.raised >= max(TURNS * peaks.turns, 1.0)
     }
 

@@ -216,13 +216,13 @@ def law_sentence(summary: Json) -> str:
     left = " (--long)" if numbers[-1] > MOST_CAUTIONS else ""
     passed = ", ".join(load_words(loads))
     if not dependent:
-        those = f" and all that {'they load' if len(shocks) > 1 else 'it loads'} ({passed})" if loads else ""
+        loaded = f" and all that {'they load' if len(shocks) > 1 else 'it loads'} ({passed})" if loads else ""
         forces = _plural("force{s} of {}", shocks)
-        return f"The contact law decides the {forces}{those}, too: see {listed}{left}."
+        return f"The contact law decides the {forces}{loaded}, too: see {listed}{left}."
     that = "they load" if len(dependent) + len(shocks) > 1 else "it loads"
-    others = [_plural("that{s} of {}", shocks).replace("thats", "those")] * bool(shocks)
-    others += [f"all that {that} ({passed})"] * bool(loads)
-    too = f", and so do{'es' * (len(shocks) + bool(loads) < 2)} {' and '.join(others)}" * bool(others)
+    clauses = [_plural("that{s} of {}", shocks).replace("thats", "those")] * bool(shocks)
+    clauses += [f"all that {that} ({passed})"] * bool(loads)
+    too = f", and so do{'es' * (len(shocks) + bool(loads) < 2)} {' and '.join(clauses)}" * bool(clauses)
     depend = _plural("force{s} of {} depend", dependent) + "s" * (len(dependent) == 1)
     return f"The {depend} more on the contact law than on the step{too}: see {listed}{left}."
 
