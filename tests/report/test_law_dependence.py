@@ -35,8 +35,11 @@ from vfife.report.damping_cautions import (
     load_words,
     shock_cautions,
 )
+from vfife.report.document import Table
 from vfife.report.overview import certainty
+from vfife.report.sensitivity import comparison as law_comparison
 from vfife.simulation.result import Result
+from vfife.studies.methods.compare import Comparison, row_of
 
 MODEL = "examples/compressor.toml"
 PINS = ("big-end", "small-end")
@@ -139,6 +142,21 @@ def test_another_law_moves_what_is_named_beyond_its_range() -> None:
     one, other = press().measures, press("gonthier").measures
     for name in ("E.force.max", "F.force.max", *LOADS):
         assert other[name].low > 1.2 * one[name].high, name
+
+
+def test_a_comparison_of_laws_lists_all_loads_that_they_change() -> None:
+    """Not of the joints alone whose laws are compared."""
+    laws, results = ("lankarani-nikravesh", "gonthier"), [press(), press("gonthier")]
+    rows = [row_of(result, ("E", "F")) for result in results]
+    compared = Comparison("press", ("E", "F"), rows, results, planned=2)
+    document = law_comparison(compared)
+    (table,) = (part for part in document.parts if isinstance(part, Table) and part.headings[0] == "load")
+    assert table.headings[1:] == tuple(f"{law} ambrosio" for law in laws) + ("change",)
+    assert {*LOADS, "E.force.max", "F.force.max"} <= {row[0] for row in table.rows}
+    torques = document.data["loads"]["crank.torque.max"]
+    assert torques == [float(result.measures["crank.torque.max"]) for result in results]
+    same = Comparison("press", ("E", "F"), rows, [press(), press()], planned=2)
+    assert not any(isinstance(p, Table) and p.headings[0] == "load" for p in law_comparison(same).parts)
 
 
 def test_a_floor_of_the_impact_speed_leaves_a_caution_on_the_law() -> None:

@@ -268,8 +268,8 @@ def shock_loads(
     That is a turn in which the load exceeds :data:`RAISED` times its ideal value, one of the measures
     ``reference``, in the same interval between outputs as a shock in a source, or in the one next to it.
     There, the force of the source exceeds :data:`RAISED` times its ideal value, or is the largest of the
-    turn. Turns of companions without outputs are not counted. Loads below :data:`LEAST_LOAD` of the largest of
-    their kind are left out.
+    turn. Turns of companions without outputs are not counted. Loads below :data:`LEAST_LOAD` of the largest
+    of their kind are left out.
     """
     raised, turns = dict[str, int](), 0
     for _, part, windows in turn_lanes(record, motion):
