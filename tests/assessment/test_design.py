@@ -5,6 +5,7 @@ import math
 import time
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -91,6 +92,26 @@ def test_the_page_has_a_conclusion_of_three_sentences_and_a_row_for_each_joint()
     assert "pin" in repr(found) and "<table>" in found._repr_html_()
 
 
+def test_machines_within_the_limits_of_fits_keep_the_clearance_of_joints_without_fit() -> None:
+    """Machines that rank the clearances vary all of them, also that of a joint without fit."""
+    from vfife.assessment.answer import Design
+    from vfife.assessment.sample import MachineSample
+    from vfife.report.fits import machine_words
+
+    clearances = np.array([[1e-5, 5e-5], [2e-5, 3e-5]])
+    sample = MachineSample(("pin", "guide"), clearances, np.array([1.0, 9.0]))
+    corners = MachineSample(("pin",), clearances[:, :1], np.array([1.0, 2.0]))
+    pin = SimpleNamespace(name="pin", limits=(1e-5, 3e-5), clearance=1e-5)
+    guide = SimpleNamespace(name="guide", limits=None, clearance=4e-5)
+    within = Design._within_limits.fget
+    found = SimpleNamespace(corners=corners, sample=sample, joints=[pin, guide], values_within_limits=[1, 2])
+    assert within(found) == [corners]
+    assert machine_words(found) == "2 machines with the clearance at a limit; all with 40 µm in guide"
+    guide.limits = (2e-5, 6e-5)
+    (inner, _) = within(found)
+    assert inner.values.tolist() == [1.0, 9.0] and "all with" not in machine_words(found)
+
+
 @pytest.mark.slow("the same answer")
 def test_the_answer_says_how_machines_are_distributed_and_what_happens_at_the_limits() -> None:
     from vfife.studies.engine.cases import run_cases
@@ -121,7 +142,7 @@ def test_the_answer_says_how_machines_are_distributed_and_what_happens_at_the_li
     spot = [{"joint.pin.clearance": size}]
     ((_, outcome),) = run_cases(loose_pin(), spot, spec)
     assert outcome.values[found.measure] == pytest.approx(max(every), rel=1e-9)
-    assert f"It is largest with {prefixed(size, 'm')} in pin: vfife run with these clearances has" in whole
+    assert f"It is largest with {prefixed(size, 'm')} in pin. Machines have no cautions" in whole
     page = document(found, "my pump.toml")
     command = f"vfife run 'my pump.toml' --turns 1 --set 'joint.pin.clearance={1e6 * size:.6g} um'"
     assert any(text.startswith(command) for text in page.parts[0].parts[-1].parts[0].texts)
