@@ -447,11 +447,11 @@ def damped_joints(summary: Json) -> list[str]:
     powers = {
         name: float(summary["measures"].get(f"{name}.impact_power.mean", 0.0)) for name in summary["joints"]
     }
-    least = DAMPED * sum(powers.values())
+    limit = DAMPED * sum(powers.values())
     return [
         name
         for name, power in powers.items()
-        if power > least and not any(entry["count"] for entry in own_knocks(summary, name))
+        if power > limit and not any(entry["count"] for entry in own_knocks(summary, name))
         if own_knocks(summary, name) or knocks(summary, name)[0] == 0
     ]
 

@@ -200,8 +200,8 @@ def _loads(result: Comparison) -> Iterator[Part]:
     """
     rows = []
     for name, values in loads_by_run(result).items():
-        known = [value for value in values if value is not None]
-        low, high, unit = min(known), max(known), unit_of(name)
+        finite = [value for value in values if value is not None]
+        low, high, unit = min(finite), max(finite), unit_of(name)
         if high - low > CHANGED * high:
             widths = [getattr(run.measures.get(name), "width", 0.0) for run in result.results]
             cells = (
