@@ -5,6 +5,7 @@ import math
 import time
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -89,6 +90,26 @@ def test_the_page_has_a_conclusion_of_three_sentences_and_a_row_for_each_joint()
     assert f"after {life_range(found.joints[0].life)} turns" in life
     assert turns_words(found.joints[0].life.turns) in life
     assert "pin" in repr(found) and "<table>" in found._repr_html_()
+
+
+def test_machines_within_the_limits_of_fits_keep_the_clearance_of_joints_without_fit() -> None:
+    """Machines that rank the clearances vary all of them, also that of a joint without fit."""
+    from vfife.assessment.answer import Design
+    from vfife.assessment.sample import MachineSample
+    from vfife.report.fits import machine_words
+
+    clearances = np.array([[1e-5, 5e-5], [2e-5, 3e-5]])
+    sample = MachineSample(("pin", "guide"), clearances, np.array([1.0, 9.0]))
+    corners = MachineSample(("pin",), clearances[:, :1], np.array([1.0, 2.0]))
+    pin = SimpleNamespace(name="pin", limits=(1e-5, 3e-5), clearance=1e-5)
+    guide = SimpleNamespace(name="guide", limits=None, clearance=4e-5)
+    within = Design._within_limits.fget
+    found = SimpleNamespace(corners=corners, sample=sample, joints=[pin, guide], values_within_limits=[1, 2])
+    assert within(found) == [corners]
+    assert machine_words(found) == "2 machines with the clearance at a limit; all with 40 µm in guide"
+    guide.limits = (2e-5, 6e-5)
+    (inner, _) = within(found)
+    assert inner.values.tolist() == [1.0, 9.0] and "all with" not in machine_words(found)
 
 
 @pytest.mark.slow("the same answer")

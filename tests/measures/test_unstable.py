@@ -11,11 +11,19 @@ import vfife
 from support import four_bar
 from vfife.assembly.assemble import assemble
 from vfife.measures.energy import COMPANION_WORKS, is_unstable, unstable_companions
-from vfife.measures.error_ranges import ranged, ranges_of_next_try, sound_companions
+from vfife.measures.error_ranges import (
+    over_tries,
+    ranged,
+    ranges_of_next_try,
+    sensitive_tries,
+    sound_companions,
+    tries_blew_up,
+)
 from vfife.measures.trust import HALVINGS, UNSTABLE_TRY, finer, trust
 from vfife.report.overview import certainty
 from vfife.report.summary import run_summary
-from vfife.report.trust import verdict
+from vfife.report.trust import trust_summary, verdict
+from vfife.simulation.result import Result
 from vfife.solvers.record import Record
 from vfife.solvers.transient import run
 
@@ -71,6 +79,28 @@ def test_tries_that_blew_up_are_left_out_and_one_more_is_made(record: Record) ->
 
     assert choose(former) == (*former, (STEP, UNSTABLE_TRY)), "one more than usual"
     assert choose((*former, (STEP, UNSTABLE_TRY))) is None
+
+
+@pytest.mark.parametrize(
+    ("times", "spread", "is_stable"), [(40.0, 1e-5, False), (5.0, 1e-5, True), (40.0, 0.1, True)]
+)
+def test_a_try_that_blew_up_for_a_moment_is_left_out(record: Record, times, spread, is_stable) -> None:
+    """Where the run and the last try agree; else its values are draws from the same scatter."""
+    companions, name = record.companions, "C.force.max"
+    assert companions is not None
+    scaled(record, 2, 9.0, ("body_alpha_max",))  # sensitive by an acceleration alone
+    own = over_tries(record)[name]
+    assert own.width < 1e-3 * own.value
+    companions.earlier = {name: (own.value * (1.0 - spread), own.value)}
+    companions.tries = {name: (own.value * (1.0 - spread), own.value * times)}
+    assert sensitive_tries(record) == (companions.tries if is_stable else companions.earlier)
+    assert tries_blew_up(record) == (not is_stable)
+    assert (ranged(record)[name].high < 1.01 * own.value) == (not is_stable)
+    tried = ((2.0 * STEP, 1.0 - 1e-4), (1.5 * STEP, 0.2), (1.2 * STEP, None))
+    choice = dataclasses.replace(record.assembly.choice, automatic=True, tried=tried)
+    record.assembly = dataclasses.replace(record.assembly, choice=choice)
+    shares = [trial["apart"] for trial in trust_summary(Result(record))["tried"]]
+    assert shares == [1.0 - 1e-4 if is_stable else UNSTABLE_TRY, 0.2, None]
 
 
 def test_a_run_whose_companions_are_all_lost_is_unstable(record: Record) -> None:

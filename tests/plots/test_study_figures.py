@@ -212,6 +212,12 @@ def test_a_knock_of_zero_is_no_impact_and_no_best_value(
     assert hollow.get_xdata().tolist() == [0.0]
     ends = [text.get_text() for text in found.plot("parallel")["parallel"].axes[0].texts]
     assert "no impact" in ends
+    for one in found.outcomes.values():
+        one["measures"]["C.approach_speed.max"] = 0.0
+    _, speed = found.plot("curves")["curves"].axes
+    rings = [line for line in speed.lines if line.get_markerfacecolor() == "white"]
+    sizes = [(line.get_markersize(), -line.get_zorder()) for line in rings]
+    assert len(rings) > 1 and sizes == sorted(set(sizes)), "one colour does not hide the others"
 
 
 @pytest.mark.parametrize(("speed", "count"), [(0.0, 1), (0.1, 0)])

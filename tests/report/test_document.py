@@ -192,6 +192,7 @@ def test_the_conclusion_rounds_as_the_table_does() -> None:
     summary["not_estimated"] = []
     summary["trust"] = {"sensitive": True, "converges": True, "lost": 0, "measure": measure}
     summary["lip"] = {f"{largest}.force": 900.0}
+    summary |= {"law_dependent": {}, "law_shocks": {}, "law_loads": {}}
     texts = [*conclusion(summary), *(cell for row in joint_table(summary).rows for cell in row)]
     assert [text for text in texts if "9.4 to 11.5 MN" in text] == [*texts[:2], texts[3], "9.4 to 11.5 MN"], (
         texts

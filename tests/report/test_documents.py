@@ -92,7 +92,8 @@ def test_a_notebook_shows_the_table_of_a_comparison() -> None:
     }  # fmt: skip
     attach()  # as an import of the package does after its modules
     found = object.__new__(Comparison)
-    for name, value in {"mechanism": "<four>", "joints": ("C",), "rows": [row], "planned": 1}.items():
+    fields = {"mechanism": "<four>", "joints": ("C",), "rows": [row], "results": [], "planned": 1}
+    for name, value in fields.items():
         object.__setattr__(found, name, value)
     assert found._repr_html_() == notebook(found)
     assert (

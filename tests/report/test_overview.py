@@ -30,6 +30,7 @@ from vfife.report.overview import (
     uncertain,
 )
 from vfife.report.run import facts, tables
+from vfife.report.run_tables import damped_joints
 from vfife.report.terminal import write
 from vfife.units import in_rpm
 
@@ -177,6 +178,24 @@ def test_the_hardest_knock_has_its_range() -> None:
     assert "hardest knock 100 to 240 mm/s (C, whole run)" in said, "the range of another joint is not C's"
     summary["not_estimated"].append(speeds["C"])
     assert "hardest knock 200 mm/s (not estimated) (C, whole run)" in text(summary)
+
+
+def test_the_power_of_knocks_names_joints_that_damp_in_closed_contact_only() -> None:
+    """Of a joint without a knock the damping of the law is no power of knocks; a little is not mentioned."""
+    summary = copy.deepcopy(result().summary)
+    assert damped_joints(summary) == [] and "; knocks lose" in text(summary)
+    for name, power in (("B", 0.2), ("C", 0.5), ("D", 0.001)):
+        summary["measures"][f"{name}.impact_power.mean"] = power
+    for name in ("B", "D"):
+        summary["measures"][f"{name}.impacts"] = 0
+        summary["knocks"].get(name, {})["count"] = 0
+    summary["knocks"]["C"]["count"] = 3
+    assert damped_joints(summary) == ["B"]
+    assert "; damping in contact loses" in " ".join(text(summary, 300).split())
+    (note,) = (table.note for table in tables(summary) if "power of the knocks" in table.headings)
+    assert "The power is that of all damping in contact: B without a knock, in closed contact." in note
+    del summary["knocks"]
+    assert damped_joints(summary) == ["B"], "a former summary has the knocks of the whole run only"
 
 
 def test_a_harder_knock_of_the_start_stands_beside_that_of_the_turns() -> None:

@@ -200,12 +200,15 @@ class Design(NotebookDocument):
 
     @property
     def _within_limits(self) -> list[MachineSample]:
-        """The machines of the ``sample`` within the limits of the chosen fits, and the ``corners``."""
+        """The machines of the ``sample`` within the limits of the chosen fits, and the ``corners``.
+
+        In the sample every clearance varies: it has no machine in which a joint without fit keeps its own.
+        """
         if self.corners is None:
             return []
-        if self.sample is None:
-            return [self.corners]
         limits = {joint.name: joint.limits for joint in self.joints if joint.limits}
+        if self.sample is None or not limits.keys() >= {*self.sample.names}:
+            return [self.corners]
         inside, sample = self.sample.within(limits), self.sample
         return [MachineSample(sample.names, sample.clearances[inside], sample.values[inside]), self.corners]
 

@@ -45,6 +45,9 @@ ROUNDING = 16.0 * 2.2e-16
 # The share of time of the first steps of contacts is their number times the step, and its limit is zero.
 FIRST_STEPS = ".share.impact"
 GROUND = "ground."  # measures at outputs, whose own estimates hold where they are rounding
+# A force that is the same at seven steps, up to the share RESOLVED, does not scatter by chance. Where a
+# coarser step made it BLOW_UP times as large, that step was not stable.
+RESOLVED, BLOW_UP = 1e-3, 10.0
 # Values below this share of the largest of their kind are compared with that share, so that an idle joint
 # makes no run sensitive.
 LEAST_SHARE = 0.1
@@ -412,6 +415,7 @@ def sensitive_tries(record: Record) -> Mapping[str, tuple[float, float]]:
     """Return the ranges of all tries with larger steps if the steps decide the motion, else nothing.
 
     Values at all of these steps are then draws from the same scatter, and four of them may agree by chance.
+    Of tries that blew up (:func:`tries_blew_up`) only the last one remains.
     """
     companions = record.companions
     if companions is None or not companions.tries:
@@ -419,7 +423,27 @@ def sensitive_tries(record: Record) -> Mapping[str, tuple[float, float]]:
     hulls = over_tries(record, groups=PEAKS)
     worst = largest(spreads(hulls, record.assembly.choice.step, scales(record.assembly)))
     _, spread = worst if worst[1] > SENSITIVE else later_spread(record, hulls, worst)
-    return companions.tries if spread > SENSITIVE or unstable_companions(record) else {}
+    if spread <= SENSITIVE and not unstable_companions(record):
+        return {}
+    return companions.earlier if tries_blew_up(record, hulls) else companions.tries
+
+
+def tries_blew_up(record: Record, ranges: Mapping[str, Measured] | None = None) -> bool:
+    """Return whether a step before the last try was not stable, although nothing diverged: the largest force
+    of a joint is the same in the run, its companions and the last try, up to :data:`RESOLVED`, and exceeded
+    :data:`BLOW_UP` times this in a try before. ``ranges`` are those of :func:`over_tries`.
+    """
+    companions = record.companions
+    if companions is None or not companions.tries or not companions.earlier:
+        return False
+    ranges = over_tries(record, groups=PEAKS) if ranges is None else ranges
+    for name in companions.tries.keys() & companions.earlier.keys() & ranges.keys():
+        (low, high), present = companions.earlier[name], ranges[name]
+        low, high = min(low, present.low), max(high, present.high)
+        resolved = name.endswith(".force.max") and high - low <= RESOLVED * high
+        if resolved and companions.tries[name][1] > BLOW_UP * high > 0.0:
+            return True
+    return False
 
 
 def over_scatter(

@@ -10,7 +10,8 @@ of the turn.
 The largest force of a joint without play follows from the motion of the ideal mechanism, and no contact law
 changes it. Clearance adds shocks: knocks, which begin a contact, and blows in closed contact. Where one
 raises the largest force of a turn far above that of the ideal joint, the law decides the force: its stiffness
-how hard the shock is, its damping how fast the next one.
+how hard the shock is, its damping how fast the next one. The mechanism passes the shock on: to other joints,
+and to the driver. Their largest loads lie in the same interval between two outputs as the shock.
 
 Turns that do not repeat have other forces, and a single turn represents none of the others. All turns of the
 measures are therefore counted, of the run and of its companions.
@@ -20,7 +21,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -43,6 +44,8 @@ MOSTLY = 0.5
 # Times the largest force of the ideal joint. Models of the gallery whose forces depend on damped laws by less
 # than a few per cent stay below 1.13.
 RAISED = 1.25
+# Share of the largest force, or of the largest moment or torque, below which another is left out.
+LEAST_LOAD = 1e-3
 BLOCKS = "contact_force_squared_max", "contact_penetration_max"
 ONSET_BLOCKS = "contact_slowness", "contact_onsets"
 
@@ -238,10 +241,10 @@ class RaisedPeaks:
 
 
 def raised_peaks(
-    record: Record, reference: Mapping[str, float], motion: Turns | None
+    record: Record, reference: Mapping[str, float], motion: Turns | None, ratio: float = RAISED
 ) -> dict[str, RaisedPeaks]:
-    """Count the turns in which the largest force of a joint with clearance exceeds :data:`RAISED` times that
-    of the ideal joint, one of the measures ``reference``; joints that the ideal mechanism lacks are left out.
+    """Count the turns in which the largest force of a joint with clearance exceeds ``ratio`` times that of
+    the ideal joint, one of the measures ``reference``; joints that the ideal mechanism lacks are left out.
     """
     if record.static or not record.assembly.contacts or not all(record.keeps(block) for block in BLOCKS):
         return {}
@@ -251,6 +254,71 @@ def raised_peaks(
         for k, (name, (block, _)) in enumerate(joint_rows(part).items()):
             ideal = reference.get(f"{name}.force.max")
             if block == "contact" and ideal is not None:
-                count = sum(float(forces[rows, k].max()) > RAISED * ideal for rows in windows)
+                count = sum(float(forces[rows, k].max()) > ratio * ideal for rows in windows)
                 raised[name] = raised.get(name, 0) + count
     return {name: RaisedPeaks(count, turns) for name, count in raised.items()}
+
+
+def shock_loads(
+    record: Record, reference: Mapping[str, float], motion: Turns | None, sources: Collection[str]
+) -> dict[str, RaisedPeaks]:
+    """Count for each largest load (``.force.max``, ``.moment.max`` and ``.torque.max``) but the forces of
+    ``sources`` the turns in which a shock in one of these joints makes it.
+
+    That is a turn in which the load exceeds :data:`RAISED` times its ideal value, one of the measures
+    ``reference``, in the same interval between outputs as a shock in a source, or in the one next to it.
+    There, the force of the source exceeds :data:`RAISED` times its ideal value, or is the largest of the
+    turn. Turns of companions without outputs are not counted. Loads below :data:`LEAST_LOAD` of the largest
+    of their kind are left out.
+    """
+    raised, turns = dict[str, int](), 0
+    for _, part, windows in turn_lanes(record, motion):
+        loads = peak_columns(part)
+        for rows in windows:
+            if rows.stop - rows.start < 2:
+                continue
+            turns += 1
+            shocks = _shock_intervals(loads, reference, [f"{name}.force.max" for name in sources], rows)
+            floors = _floors(loads, rows)
+            for name, column in loads.items():
+                if name.removesuffix(".force.max") in sources:
+                    continue
+                row = int(np.argmax(column[rows]))
+                peak, limit = float(column[rows][row]), RAISED * reference.get(name, 0.0)
+                raised[name] = raised.get(name, 0) + bool(peak > max(limit, floors[name]) and shocks[row])
+    return {name: RaisedPeaks(count, turns) for name, count in raised.items()}
+
+
+def peak_columns(record: Record) -> dict[str, Array]:
+    """Return the largest forces of joints (N), moments of ideal joints and torques of driven bodies (N m) in
+    the interval up to each output, shape (outputs,) each, by the name of the measure.
+    """
+    forces = joint_force_max(record)
+    columns = {f"{name}.force.max": forces[:, k] for k, name in enumerate(joint_rows(record))}
+    moments, torques = record.block("joint_moment_max"), record.block("driven_torque_max")
+    columns |= {f"{name}.moment.max": moments[:, k] for k, name in enumerate(record.assembly.ideals)}
+    bodies = record.assembly.bodies.items()
+    driven = {name: body.driven for name, body in bodies if body.driven is not None}
+    return columns | {f"{name}.torque.max": torques[:, k] for name, k in driven.items()}
+
+
+def _floors(loads: Mapping[str, Array], rows: slice) -> dict[str, float]:
+    """Return the value of each load in a turn below which it is nothing beside others of its unit."""
+    peaks = {name: float(column[rows].max()) for name, column in loads.items()}
+    largest = {
+        kind: max((peak for name, peak in peaks.items() if name.endswith(".force.max") == kind), default=0.0)
+        for kind in (True, False)
+    }
+    return {name: LEAST_LOAD * largest[name.endswith(".force.max")] for name in peaks}
+
+
+def _shock_intervals(
+    loads: Mapping[str, Array], reference: Mapping[str, float], sources: Iterable[str], rows: slice
+) -> NDArray[np.bool_]:
+    """Return the intervals of a turn with a shock in one of the ``sources``, or next to one with it."""
+    shocks = np.zeros(rows.stop - rows.start, dtype=bool)
+    for name in sources:
+        force = loads[name][rows]
+        shocks |= force >= min(RAISED * reference.get(name, 0.0), float(force.max()))
+    around = np.pad(shocks, 1)
+    return np.asarray(shocks | around[:-2] | around[2:], dtype=bool)

@@ -38,6 +38,7 @@ from .study_axes import (
     other_dimensions,
     positions,
     readable_parameter,
+    ring,
     sensitive_words,
     turns_of_measure,
     unit_of_axis,
@@ -107,7 +108,7 @@ def curve_panel(ax: Axes, study: Study, name: str, parameters: list[Varied]) -> 
         look = BODIES[colour % len(BODIES)]
         if (quiet := no_impact(name, middle)).any():
             hollow = HOLLOW
-            ax.plot(x[quiet], middle[quiet], color=look, **EMPTY)
+            ax.plot(x[quiet], middle[quiet], color=look, **ring(colour))
             middle = np.where(quiet, np.nan, middle)
         ax.plot(x, middle, color=look, marker="o", ms=3.0 if len(x) < 30 else 0.0, label=labels[k])
         if values.shape[2] > 1:

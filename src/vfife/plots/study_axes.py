@@ -144,7 +144,15 @@ def even_indices(count: int, limit: int) -> list[int]:
 
 
 EMPTY: dict[str, Any] = {"ls": "", "marker": "o", "ms": 6.0, "mfc": "white", "zorder": 4}
+RING = 3.0  # points by which the hollow marker of the next curve is larger
 HOLLOW = f"; hollow: {NO_IMPACT}"
+
+
+def ring(curve: int) -> dict[str, Any]:
+    """Return the hollow marker of a curve by its number: those of several curves at one place lie within one
+    another.
+    """
+    return EMPTY | {"ms": EMPTY["ms"] + RING * curve, "zorder": EMPTY["zorder"] - 0.1 * curve}
 
 
 def no_impact(name: str, values: Array) -> NDArray[np.bool_]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from ..measures.whirl import backward_whirls
 from ..model.surfaces import cautions, law_facts, remarks, surfaces
 from ..model.validation.plausibility import clearances_at_rest, suspect_surfaces
 from ..solvers.status import Status
-from .damping_cautions import damping_cautions, shock_cautions
+from .damping_cautions import certain_shocks, damping_cautions, load_cautions, shock_cautions
 from .design_words import and_words
 from .divergence import FLOOR, soft_contact
 from .document import grouped
@@ -57,7 +57,23 @@ STATUS = {
 }
 
 
-def transient_cautions(result: RunData, verdict: str, of_laws: Mapping[str, str]) -> Iterator[str]:
+class LawCautions(NamedTuple):
+    """Cautions on what the contact law decides, each with its sentence: ``joints`` whose force depends more
+    on the law than on the step, joints with ``shocks`` whose force depends on both, and the ``loads`` (names
+    of measures) that all these shocks make.
+    """
+
+    joints: dict[str, str]
+    shocks: dict[str, str]
+    loads: dict[str, str]
+
+    @property
+    def texts(self) -> tuple[str, ...]:
+        """All sentences, each once."""
+        return tuple(dict.fromkeys(text for part in self for text in part.values()))
+
+
+def transient_cautions(result: RunData, verdict: str, of_laws: Iterable[str]) -> Iterator[str]:
     """Yield sentences on what makes a dynamic run doubtful, each with a remedy; ``verdict`` is that of the
     companions, ``of_laws`` are those of :func:`law_cautions`.
     """
@@ -92,8 +108,7 @@ def transient_cautions(result: RunData, verdict: str, of_laws: Mapping[str, str]
         yield verdict
     yield from rounding_cautions(result)
     yield from whirl_cautions(record)
-    yield from dict.fromkeys(of_laws.values())
-    yield from dict.fromkeys(shock_cautions(result, of_laws).values())
+    yield from of_laws
     yield from open_contact_cautions(record)
     yield from out_of_range(result)
     if result.ledger.error > OPEN:
@@ -210,11 +225,20 @@ def falling_journals(mechanism: Mechanism) -> list[str]:
     ]
 
 
-def law_cautions(result: RunData) -> dict[str, str]:
-    """Return a sentence on each joint whose force depends more on the contact law than on the step: on the
-    speed of a landing that the law remembers, or on its damping.
+def law_cautions(result: RunData) -> LawCautions:
+    """Return a sentence on each force that the contact law decides: by the speed of a landing that it
+    remembers, by its damping, or by shocks; and on all that these shocks load.
     """
-    return landing_cautions(result) | damping_cautions(result)
+    damped = damping_cautions(result)
+    joints = landing_cautions(result) | damped
+    shocks = shock_cautions(result, joints)
+    loads = load_cautions(result, [*damped, *shocks])
+    certain = certain_shocks(result, shocks)
+    return LawCautions(
+        joints | {name: shocks[name] for name in certain},
+        {name: text for name, text in shocks.items() if name not in certain},
+        loads,
+    )
 
 
 def open_contact_cautions(record: Record) -> Iterator[str]:

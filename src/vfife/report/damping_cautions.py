@@ -1,5 +1,5 @@
 """Cautions about largest forces that the contact law decides: by its damping, or because shocks make
-them: knocks, or blows in closed contact.
+them: knocks, or blows in closed contact; and about all loads that a shock passes on.
 
 Whether a caution appears depends on the share of turns of the run and its companions, not on the single shock
 that holds the peak.
@@ -8,11 +8,20 @@ that holds the peak.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from ..laws.contact.forms import PointContact
-from ..measures.turn_peaks import DampedPeaks, RaisedPeaks, contact_laws, damped_peaks, raised_peaks
+from ..measures.forces import ground_joints
+from ..measures.turn_peaks import (
+    RAISED,
+    DampedPeaks,
+    RaisedPeaks,
+    contact_laws,
+    damped_peaks,
+    raised_peaks,
+    shock_loads,
+)
 from ..numerics.outward import DOWN, significant
 from .amounts import prefixed
 
@@ -29,6 +38,10 @@ TURNS = 0.1
 STRUCK = 1.1
 # Width of the range of a force over its value from which on its motion is sensitive.
 SENSITIVE_FORCE = 0.1
+# Times the ideal force from which on a shock is a third of a force or more: then the law moves the force by
+# more than a narrow range. At 1.34 times the ideal force damped laws agreed within 4 % (four_bar).
+SHOCK = 1.5
+SHAKING = "ground.shaking_force.max", "ground.shaking_moment.max"
 # Laws of a comparison, from no loss of energy to much.
 COMPARED = "hertz", "lankarani-nikravesh", "gonthier"
 
@@ -56,11 +69,13 @@ def damping_cautions(result: RunData) -> dict[str, str]:
 
 
 def shock_cautions(result: RunData, exceptions: Iterable[str]) -> dict[str, str]:
-    """Return one sentence for all joints whose forces the step moves and whose largest force is made by a
-    shock in a tenth of the turns or more; without ``exceptions``, which have a caution already.
+    """Return one sentence for all joints whose largest force is made by a shock in a tenth of the turns or
+    more (:func:`_shock_counts`, :func:`_hard_shock_counts`); without ``exceptions``, which have a caution
+    already.
     """
     mechanism, laws = result.record.assembly.mechanism, contact_laws(result.record)
-    counts = {name: peaks for name, peaks in _shock_counts(result).items() if name not in exceptions}
+    shocks = _hard_shock_counts(result) | _shock_counts(result)
+    counts = {name: peaks for name, peaks in shocks.items() if name not in exceptions}
     if not counts:
         return {}
     undamped = [name for name in counts if _is_undamped(*laws[name])]
@@ -72,6 +87,53 @@ def shock_cautions(result: RunData, exceptions: Iterable[str]) -> dict[str, str]
         f" {comparison(mechanism, counts)}."
     )
     return dict.fromkeys(counts, text)
+
+
+def certain_shocks(result: RunData, joints: Iterable[str]) -> list[str]:
+    """Return those of ``joints`` with a shock in their force that hardly depend on the step."""
+    uncertain = _shock_counts(result)
+    return [name for name in joints if name not in uncertain]
+
+
+def load_cautions(result: RunData, sources: Collection[str]) -> dict[str, str]:
+    """Return one sentence for all loads, by the name of their measure, that the shocks in ``sources`` make:
+    forces of other joints, moments, torques of drivers and shaking forces.
+    """
+    if not sources or result.reference is None or result.record.static:
+        return {}
+    ideal = result.reference.measures
+    counts = shock_loads(result.record, ideal, result.motion, sources)
+    loads = [
+        name
+        for name, peaks in counts.items()
+        if name in result.measures and peaks.raised >= max(TURNS * peaks.turns, 1.0)
+    ]
+    struck = {*sources, *(name.removesuffix(".force.max") for name in loads)}
+    if struck & {*ground_joints(result.record)}:
+        loads += [
+            name for name in SHAKING if result.measures.get(name, 0.0) > RAISED * ideal.get(name, 1e300)
+        ]
+    if not loads:
+        return {}
+    text = (
+        f"Shocks in {', '.join(sources)} make the largest values of all that they load, too:"
+        f" {', '.join(load_words(loads))}. The contact law decides these as well: compare them under the same"
+        " laws."
+    )
+    return dict.fromkeys(loads, text)
+
+
+def load_words(loads: Iterable[str]) -> list[str]:
+    """Return measures of loads in words; a joint whose force is among them by its name alone."""
+    words = []
+    for name in (names := list(loads)):
+        item, kind = name.removesuffix(".max").rsplit(".", 1)
+        if kind != "moment" or f"{item}.force.max" not in names:
+            subject = "" if item == "ground" else item
+            words.append(
+                item if kind == "force" else f"{kind.replace('_', ' ')} {'of ' * bool(subject)}{subject}"
+            )
+    return [word.strip() for word in words]
 
 
 def comparison(mechanism: Mechanism, joints: Iterable[str]) -> str:
@@ -103,14 +165,26 @@ def _shock_counts(result: RunData) -> dict[str, RaisedPeaks]:
     """Return the joints whose forces the step moves and whose largest force is made by a shock in a tenth of
     the turns or more.
     """
+    counts = _raised(result, RAISED)
+    return {name: peaks for name, peaks in counts.items() if _is_sensitive(result, name)}
+
+
+def _hard_shock_counts(result: RunData) -> dict[str, RaisedPeaks]:
+    """Return the joints whose largest force exceeds the ideal one by half in a tenth of the turns or more:
+    whether the step moves it or not, the law decides a third of it or more.
+    """
+    return _raised(result, SHOCK)
+
+
+def _raised(result: RunData, ratio: float) -> dict[str, RaisedPeaks]:
     if result.reference is None or result.record.static:
         return {}
     laws = contact_laws(result.record)
+    counts = raised_peaks(result.record, result.reference.measures, result.motion, ratio)
     return {
         name: peaks
-        for name, peaks in raised_peaks(result.record, result.reference.measures, result.motion).items()
-        if name in laws and _is_sensitive(result, name)
-        if peaks.raised >= max(TURNS * peaks.turns, 1.0)
+        for name, peaks in counts.items()
+        if name in laws and peaks.raised >= max(TURNS * peaks.turns, 1.0)
     }
 
 

@@ -76,7 +76,7 @@ def largest_sentence(design: Design) -> str:
 
 
 def machine_words(design: Design) -> str:
-    """Return which machines within the limits of the fits were run."""
+    """Return which machines within the limits of the fits were run, and which joints keep their clearance."""
     if (corners := design.corners) is None:
         return ""
     inner = len(design.values_within_limits) - corners.count
@@ -84,9 +84,12 @@ def machine_words(design: Design) -> str:
         place = "every clearance at a limit" if len(corners.names) > 1 else "the clearance at a limit"
     else:
         place = "all clearances at the lower or all at the upper limits"
-    if not inner:
-        return f"{corners.count} machines with {place}"
-    return f"{inner} machines evenly distributed, {corners.count} with {place}"
+    machines = f"{corners.count} machines with {place}"
+    if inner:
+        machines = f"{inner} machines evenly distributed, {corners.count} with {place}"
+    unfitted = [joint for joint in design.joints if not joint.limits]
+    sizes = [f"{prefixed(joint.clearance, 'm')} in {joint.name}" for joint in unfitted]
+    return f"{machines}; all with {and_words(sizes)}" if sizes else machines
 
 
 def coarsest_fits(design: Design) -> dict[str, list[str]]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from ..measures.values import NOT_ESTIMATED
 from .design_words import and_words
 from .digits import CERTAIN, SCATTER, Json, is_about_zero, is_estimated, largest_text, sum_text
-from .run_tables import NONE_BEGAN, blow_texts, knock_texts, knocks, of_contacts, own_knocks
+from .run_tables import NONE_BEGAN, blow_texts, damped_joints, knock_texts, knocks, of_contacts, own_knocks
 
 STEPS_ONLY = "at other step sizes only"  # a joint knocks, but not in this run
 # Share of the rise of a joint's largest force above the ideal one: a larger blow makes this force, or is
@@ -27,7 +27,8 @@ def noise(summary: Json) -> Iterator[tuple[str, str]]:
         yield "Noise", "no knocks"
         return
     names = [name for name in summary["measures"] if name.endswith(".impact_power.mean")]
-    losses = f"; knocks lose {sum_text(summary, names, 'W', SCATTER)}" if names else ""
+    subject = "damping in contact loses" if damped_joints(summary) else "knocks lose"
+    losses = f"; {subject} {sum_text(summary, names, 'W', SCATTER)}" if names else ""
     harder = rivals(summary, hardest, list(speeds))
     speed, joint = largest_text(summary, harder, "m/s", CERTAIN), _contact_words(harder)
     measured = summary.get("knocks", {})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from ..measures.stops import stop_sentence
 from ..measures.values import NOT_ESTIMATED
@@ -13,6 +13,7 @@ from ..solvers.status import Status
 from ..units import in_rpm
 from . import dead_centres
 from .amounts import WIDE, interval, prefixed
+from .damping_cautions import load_words
 from .digits import (
     ABOUT_ZERO,
     CERTAIN,
@@ -224,19 +225,35 @@ def _with_meshes(summary: Json) -> str:
 
 
 def law_sentence(summary: Json) -> str:
-    """Return which forces depend more on the contact law than on the step, with the numbers of the cautions
-    that explain it; "" for none.
+    """Return which forces depend more on the contact law than on the step, or on both, and all that they
+    load, with the numbers of the cautions that explain it; "" for none.
     """
-    dependent = summary.get("law_dependent")
-    if not dependent or summary["status"] in FAILURES:
+    dependent, shocks, loads = (
+        summary.get(key) or {} for key in ("law_dependent", "law_shocks", "law_loads")
+    )
+    if not (dependent or shocks) or summary["status"] in FAILURES:
         return ""
     texts = list(cautions(summary))
-    numbers = sorted({texts.index(summary["warnings"][index]) + 1 for index in dependent.values()})
-    listed = f"caution{'s' * (len(numbers) > 1)} {' and '.join(map(str, numbers))}"
+    indices = {*dependent.values(), *shocks.values(), *loads.values()}
+    numbers = sorted({texts.index(summary["warnings"][index]) + 1 for index in indices})
+    *first, last = map(str, numbers)
+    listed = f"caution{'s' * bool(first)} {', '.join(first)}{' and ' * bool(first)}{last}"
     left = " (--long)" if numbers[-1] > MOST_CAUTIONS else ""
-    forces = "forces of {} depend" if len(dependent) > 1 else "force of {} depends"
-    words = forces.format(", ".join(dependent))
-    return f"The {words} more on the contact law than on the step: see {listed}{left}."
+    passed = ", ".join(load_words(loads))
+    if not dependent:
+        loaded = f" and all that {'they load' if len(shocks) > 1 else 'it loads'} ({passed})" if loads else ""
+        forces = _plural("force{s} of {}", shocks)
+        return f"The contact law decides the {forces}{loaded}, too: see {listed}{left}."
+    that = "they load" if len(dependent) + len(shocks) > 1 else "it loads"
+    clauses = [_plural("that{s} of {}", shocks).replace("thats", "those")] * bool(shocks)
+    clauses += [f"all that {that} ({passed})"] * bool(loads)
+    too = f", and so do{'es' * (len(shocks) + bool(loads) < 2)} {' and '.join(clauses)}" * bool(clauses)
+    depend = _plural("force{s} of {} depend", dependent) + "s" * (len(dependent) == 1)
+    return f"The {depend} more on the contact law than on the step{too}: see {listed}{left}."
+
+
+def _plural(words: str, names: Collection[str]) -> str:
+    return words.format(", ".join(names), s="s" * (len(names) > 1))
 
 
 def _certainty(summary: Json) -> str:

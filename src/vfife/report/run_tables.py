@@ -48,6 +48,7 @@ NONE_BEGAN = "none; one began before"  # a contact that was closed when the turn
 CHANGE = "Change: local influence parameter {}, in per cent of the ideal {}."
 MEANS = "The range of a mean covers turns that were not computed too, so it may reach beyond those shown."
 IDEAL = "Errors of the ideal mechanism are not estimated; the change has those of the {}."
+DAMPED = 0.01  # of the power of all knocks: damping of a closed contact that is mentioned
 MOST_SHIFT = 0.25  # of the width of a range, by which rounding may move the number in it
 
 
@@ -72,6 +73,7 @@ def tables(summary: Json) -> list[Table]:
                 f"Noise (knocks of the whole run; power: {summary['part']})",
             ),
             knock_ranges,
+            _damping_note(summary),
             "A range that begins at 0: other step sizes may have no knock at all." * uncertain,
             f"{NOT_ESTIMATED.capitalize()}: in turns measured." if summary["trust"] else "",
         ),
@@ -436,6 +438,30 @@ def own_knocks(summary: Json, joint: str) -> list[Json]:
     names = (name.removesuffix(".impacts") for name in of_contacts(summary, joint, "impacts"))
     by_contact = summary.get("knocks", {})
     return [by_contact[name] for name in names if name in by_contact]
+
+
+def damped_joints(summary: Json) -> list[str]:
+    """Return the joints without a knock in the turns of the measures in which the contact law still damps, in
+    closed contact: a hundredth of the power of all joints or more.
+    """
+    powers = {
+        name: float(summary["measures"].get(f"{name}.impact_power.mean", 0.0)) for name in summary["joints"]
+    }
+    limit = DAMPED * sum(powers.values())
+    return [
+        name
+        for name, power in powers.items()
+        if power > limit and not any(entry["count"] for entry in own_knocks(summary, name))
+        if own_knocks(summary, name) or knocks(summary, name)[0] == 0
+    ]
+
+
+def _damping_note(summary: Json) -> str:
+    """Return which joints lose power without a knock; "" for none."""
+    if not (joints := damped_joints(summary)):
+        return ""
+    closed = f"{', '.join(joints)} without a knock, in closed contact"
+    return f"The power is that of all damping in contact: {closed}."
 
 
 def _noise_rows(summary: Json) -> Iterator[tuple[str, ...]]:

@@ -6,9 +6,10 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from ..measures.catalogue import unit_of
 from ..measures.values import NOT_ESTIMATED
 from ..numerics.outward import DOWN, UP, significant_range
-from .amounts import decimals, fixed_point, quantities, quantity
+from .amounts import decimals, fixed_point, prefixed, quantities, quantity
 from .cautions import fall_caution, fall_of
 from .document import Caution, Document, Paragraph, Part, Table, incomplete, paragraphs
 
@@ -26,6 +27,8 @@ COMPARED = (  # numbers of a comparison: key, head, factor to the unit of the he
     ("lip_acceleration", "change of a, %", 1.0, ".4g"), ("penetration", "deepest, µm", 1e6, ".4g"),
     ("impacts", "impacts", 1, ","), ("contact_share", "contact, %", 100.0, ".3g"),
 )  # fmt: skip
+# Loads in a comparison, and the change between laws from which on they are listed.
+LOADS, CHANGED = (".force.max", ".moment.max", ".torque.max"), 0.05
 # Remedies where no derivative was computed.
 REMEDIES = (
     " More turns (--turns), vfife study over a range, or vfife design may answer; --companions 0 computes the"
@@ -141,6 +144,7 @@ def comparison(result: Comparison, folder: str = "", files: Sequence[str] = ()) 
         *_ranges(result),
         Paragraph(note),
         *paragraphs(_fall(result)),
+        *_loads(result),
         *([Paragraph(f"{folder} ({', '.join(files)})", lead="Folder: ")] if folder else []),
     ]
     title = f"{result.mechanism}: joint{'s' * (len(result.joints) > 1)} {', '.join(result.joints)}"
@@ -181,6 +185,39 @@ def _ranges(result: Comparison) -> Iterator[Part]:
     yield Paragraph(f"Numerical uncertainty not estimated: {', '.join([*left, 'lost'])}.")
 
 
+def loads_by_run(result: Comparison) -> dict[str, list[float | None]]:
+    """Return the largest forces, moments and torques of each run, by measure: of the joints whose laws are
+    compared, of all others, and of drivers.
+    """
+    names = dict.fromkeys(name for run in result.results for name in run.measures if name.endswith(LOADS))
+    return {
+        name: [float(run.measures[name]) if name in run.measures else None for run in result.results]
+        for name in names
+    }
+
+
+def _loads(result: Comparison) -> Iterator[Part]:
+    """Yield a table of the loads that the laws change by more than :data:`CHANGED`; no digit is finer than
+    the range of a load.
+    """
+    rows = []
+    for name, values in loads_by_run(result).items():
+        finite = [value for value in values if value is not None]
+        low, high, unit = min(finite), max(finite), unit_of(name)
+        if high - low > CHANGED * high:
+            widths = [getattr(run.measures.get(name), "width", 0.0) for run in result.results]
+            cells = (
+                "-" if value is None else prefixed(value, unit, max(1e-3 * high, width))
+                for value, width in zip(values, widths, strict=True)
+            )
+            rows.append((name, *cells, f"{100.0 * (high - low) / high:.2g} %"))
+    if rows:
+        laws = [" ".join((run["contact"], run["friction"])) for run in result.rows]
+        heads = ("load", *laws, "change")
+        title = f"Loads that the laws change by more than {100.0 * CHANGED:g} %, of the largest"
+        yield Table(heads, rows, title, numbers=range(1, len(heads)), names=(0,))
+
+
 def _range(run: Mapping[str, Any], key: str, scale: float) -> str:
     """Return the range of a number of a run, rounded outwards to two digits of its width."""
     if f"{key}.low" not in run:
@@ -202,6 +239,7 @@ def comparison_data(result: Comparison) -> dict[str, Any]:
         "joints": list(result.joints),
         "planned": result.planned,
         "runs": result.rows,
+        "loads": loads_by_run(result),
     }
 
 

@@ -66,9 +66,10 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
     ``blows`` (in closed contact, by joint: ``excess`` and ``lowest`` in N, ``crank`` in degrees), ``ground``
     (what bounds the shaking force of a run with contact), ``dead_centres``, ``conformal``, ``law_facts``,
     ``surface_facts``, ``remarks``, ``warnings``, ``law_dependent`` (joints whose forces depend more on the
-    contact law than on the step, with the index of the warning), of a run whose largest forces are those of
-    the fall of journals at its start ``start_fall`` (``joints``, ``time`` in s, ``measures``, and the index
-    of the warning) and, of a model with stops, ``stops``
+    contact law than on the step, with the index of the warning), ``law_shocks`` and ``law_loads`` (what else
+    the law decides, see :func:`_cautions`), of a run whose largest forces are those of the fall of journals
+    at its start ``start_fall`` (``joints``, ``time`` in s, ``measures``, and the index of the warning) and, of
+    a model with stops, ``stops``
     (contacts that the outputs show, by name) with the ``stop_interval`` of the outputs (s), and of a model
     with drivers of sliders or points ``actuators`` and, of one with elastic bodies in motion,
     ``meshes_not_covered`` (elements of the bodies whose mesh error is in no range) are what the document of
@@ -136,20 +137,22 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
 
 
 def _cautions(result: RunData, leading: str) -> Json:
-    """Warnings, the joints whose forces depend more on the contact law than on the step, and the fall at the
-    start.
+    """Warnings, and with the index of their warning the joints whose forces depend more on the contact law
+    than on the step (``law_dependent``), those whose shocks depend on both (``law_shocks``), the measures of
+    all that shocks load (``law_loads``), and the fall at the start.
     """
     if result.record.static:
         return {"warnings": list(static_cautions(result)), "law_dependent": {}}
     of_laws = law_cautions(result)
-    warnings = list(transient_cautions(result, leading, of_laws))
+    warnings = list(transient_cautions(result, leading, of_laws.texts))
     entry = {}
     if fall := fall_of(result):
         assembly = result.record.assembly
         warnings.insert(0, fall_caution(fall, assembly.mechanism, assembly.choice.turn is not None))
         entry = {"start_fall": dataclasses.asdict(fall) | {"index": 0}}
-    dependent = {name: warnings.index(text) for name, text in of_laws.items()}
-    return {"warnings": warnings, "law_dependent": dependent, **entry}
+    keys = ("law_dependent", "law_shocks", "law_loads")
+    parts = ({name: warnings.index(text) for name, text in part.items()} for part in of_laws)
+    return {"warnings": warnings, **dict(zip(keys, parts, strict=True)), **entry}
 
 
 def _actuators(result: RunData, ideal: Any) -> Json:

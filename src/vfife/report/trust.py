@@ -9,7 +9,8 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from ..measures.trust import HALVINGS, trust
+from ..measures.error_ranges import BLOW_UP, tries_blew_up
+from ..measures.trust import HALVINGS, UNSTABLE_TRY, trust
 from ..measures.values import NOT_ESTIMATED
 from ..solvers.companions import SENSITIVE
 from ..solvers.status import Status
@@ -44,7 +45,11 @@ def trust_summary(result: RunData) -> dict[str, Any]:
     if not entry["unstable"]:
         del entry["unstable"]
     parting = entry.pop("parting") or {"time": None, "joint": None}
-    tried = [{"step": step, "apart": scatter} for step, scatter in record.assembly.choice.tried]
+    wild = 1.0 - 1.0 / BLOW_UP if tries_blew_up(record) else math.inf
+    tried = [
+        {"step": step, "apart": UNSTABLE_TRY if (scatter or 0.0) > wild else scatter}
+        for step, scatter in record.assembly.choice.tried
+    ]
     return entry | parting | {"tried": tried, "automatic": record.assembly.choice.automatic}
 
 

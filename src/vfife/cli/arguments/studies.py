@@ -198,7 +198,10 @@ class DesignOptions(JsonOptions, ModelOptions, JobOptions, function="design.desi
         show_default="IT7 to IT9",
     )
     joints: str | None = option(
-        None, "Joints that get a fit; others keep their clearance.", "D,E,F", show_default="all"
+        None,
+        "Joints that get a fit; in their machines others keep their clearance.",
+        "D,E,F",
+        show_default="all",
     )
     same_fit: bool = flag("--same-fit", "Use the same fit, or the same grades, in all joints.")
     turns: int | None = option(
