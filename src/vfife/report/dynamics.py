@@ -329,6 +329,11 @@ def spectra(spectra: Sequence[Any], name: str) -> Document:
     return Document([Table.numeric(heads, rows), Paragraph(words)], title=f"{name}: the strongest waves")
 
 
+def waves(transformed: Any) -> Document:
+    """Return a document of the strongest waves of a spectrum, spectrogram or envelope."""
+    return spectra([transformed], transformed.name)
+
+
 def strongest(sizes: Any, window: str) -> list[int]:
     """Return the indices of the highest local maxima, without the mean and the neighbours over which the
     window spreads it.

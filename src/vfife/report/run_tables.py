@@ -381,7 +381,7 @@ def blow_texts(summary: Json) -> dict[str, str]:
         excess, lowest, crank = (blows[name][key] for key in ("excess", "lowest", "crank"))
         words = f"up to {prefixed(excess, 'N', 0.1 * excess, UP)}"
         if over_several_turns(summary["turns"]):
-            words = interval(lowest, excess, "N", 0.1 * excess)
+            words += f" (single turns {interval(lowest, excess, 'N', 0.1 * excess)})"
         texts[name] = f"{name} {words} above the ideal joint at {crank:.4g}°"
     return texts
 
