@@ -297,7 +297,7 @@ LONGER_OR_STEP = (
     "a longer period, or an effect of the step, which places onsets differently in these turns; compare half"
     " the step"
 )
-LESS = 0.5  # share of the scatter of points a period apart, within which those of a longer one repeat
+CLOSER_SHARE = 0.5  # share of the scatter of points a period apart, within which those of a longer one repeat
 TAIL = 3 * LONGEST  # latest points: of those before, the motion may still settle
 SETTLED = 3.0  # largest ratio of the scatter of the first half of the points to that of the second
 
@@ -330,7 +330,7 @@ def longer_period(points: Array, ranges: Array, shift: int) -> int:
     """Return the smallest multiple of a ``shift`` after which points that scatter repeat much better, so that
     the step alone does not explain their scatter; 0 for none.
     """
-    limit = LESS * spread(points, shift, ranges)
+    limit = CLOSER_SHARE * spread(points, shift, ranges)
     multiples = range(2 * shift, len(points) // TIMES + 1, shift)
     return next((multiple for multiple in multiples if spread(points, multiple, ranges) <= limit), 0)
 
@@ -352,9 +352,9 @@ def scattered_verdict(
     distance = recurrence_distance(points, repeats)
     longer = longer_period(latest, ranges, shift) if repeats is None else repeats
     if longer and share > STEP_SHARE:
-        apart = "a turn" if shift == 1 else f"{shift} turns"
+        gap = "a turn" if shift == 1 else f"{shift} turns"
         reason = (
-            f"points {apart} apart lie within {_percent(share)} of the motion's range, and those {longer}"
+            f"points {gap} apart lie within {_percent(share)} of the motion's range, and those {longer}"
             f" turns apart much closer: {LONGER_OR_STEP}"
         )
         return Verdict(UNDECIDED, None, distance, growth, reason=reason)
@@ -404,7 +404,8 @@ def verdict(
         return Verdict(kind, shift, distance, growth, reason=reason)
     test, stride = zero_one_of_bands(points[:, 0], grows) if len(points) >= TEST_POINTS else (None, 1)
     turning = rotation(points)
-    kind, reason, number = _kind_without_period(points, growth, test, turning)
+    kind, reason = _kind_without_period(points, growth, test, turning)
+    number = curve_number(points, turning) if kind == QUASI else math.nan
     if kind == CHAOTIC and ranges is not None and not (grows and test is not None):
         reason = small_cloud(points, ranges())
         kind = UNDECIDED if reason else kind
@@ -415,11 +416,16 @@ def verdict(
     )  # fmt: skip
 
 
+def curve_number(points: Array, turning: Rotation | None) -> float:
+    """Return the rotation number of points on a closed curve; NaN for others."""
+    return turning.number if turning is not None and turning.closed else winding(points)
+
+
 def _kind_without_period(
     points: Array, growth: Exponent | None, test: float | None, turning: Rotation | None
-) -> tuple[str, str, float]:
-    """Return the kind of a motion whose points do not repeat, why nothing is decided, and the rotation number
-    on a closed curve; "" and NaN where there are none. ``test``: the 0-1 test, of 100 points and more.
+) -> tuple[str, str]:
+    """Return the kind of a motion whose points do not repeat, and why nothing is decided, "" for no reason.
+    ``test``: the 0-1 test, of 100 points and more.
 
     It is chaotic if the exponent is positive and the test is not that of a regular motion (for fewer points,
     if both halves grow about as fast), and not settled if a difference decays as fast or the halves disagree.
@@ -433,31 +439,30 @@ def _kind_without_period(
         agreeing = test is not None or finite.estimated or finite.halves[1] <= AGREEING * finite.halves[0]
         regular = test is not None and test < REGULAR
         if finite.positive and agreeing and not regular:
-            return CHAOTIC, "", math.nan
+            return CHAOTIC, ""
         if test is None:
-            return UNSETTLED, "", math.nan
+            return UNSETTLED, ""
         cause = (
             "by the 0-1 test the motion is regular"
             if regular
             else f"the exponent may be zero by its range{'' if finite.estimated else ' over these turns'}"
         )
-        return UNDECIDED, f"a small difference seems to grow, but {cause}; {unseen}", math.nan
+        return UNDECIDED, f"a small difference seems to grow, but {cause}; {unseen}"
     if finite is not None and not (finite.halves[0] >= -finite.margin and finite.value <= finite.margin):
-        return UNSETTLED, "", math.nan
+        return UNSETTLED, ""
     if test is None:
         # Successive points that approach their limit lie in order on a line, as on a curve.
         reason = settling_reason(points, 2)
         closed = turning is not None and turning.closed and not reason
-        return (QUASI if closed else UNSETTLED), reason, math.nan
+        return (QUASI if closed else UNSETTLED), reason
     if test < REGULAR or (test <= IRREGULAR and finite is not None):
-        number = turning.number if turning is not None and turning.closed else winding(points)
-        if not math.isnan(number):
-            return QUASI, "", number
+        if not math.isnan(curve_number(points, turning)):
+            return QUASI, ""
         if test < REGULAR:
-            return UNDECIDED, f"points follow no closed curve; {unseen}", number
+            return UNDECIDED, f"points follow no closed curve; {unseen}"
     if test > IRREGULAR and finite is None:
-        return CHAOTIC, "", math.nan
-    return UNSETTLED, "", math.nan
+        return CHAOTIC, ""
+    return UNSETTLED, ""
 
 
 def settling_reason(points: Array, repeats: int) -> str:

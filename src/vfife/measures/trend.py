@@ -185,7 +185,8 @@ def _frequencies(series: Array) -> Array:
     grid = np.arange(1, 2 * count) / (4.0 * count)
     sin, cos = sincos(2.0 * math.pi * np.outer(grid, np.arange(count)))
     off = series - series.mean()
-    power = (off * sin).sum(axis=1) ** 2 + (off * cos).sum(axis=1) ** 2
+    height, width = (off * sin).sum(axis=1), (off * cos).sum(axis=1)
+    power = height * height + width * width
     inner = np.flatnonzero((power[1:-1] >= power[:-2]) & (power[1:-1] > power[2:])) + 1
     return np.asarray(grid[inner[np.argsort(-power[inner], kind="stable")][:PEAKS]])
 
@@ -199,10 +200,10 @@ def _roughness(rows: Array, gaps: Array) -> float:
     """Return the largest share (1), of all coordinates, of the distances of points from the line between
     their neighbours, in the steps along a closed curve. ``gaps`` of phase follow the points.
     """
-    before, after = np.roll(rows, 1, axis=0), np.roll(rows, -1, axis=0)
+    former, following = np.roll(rows, 1, axis=0), np.roll(rows, -1, axis=0)
     part = (np.roll(gaps, 1) / np.maximum(np.roll(gaps, 1) + gaps, 1e-300))[:, None]
-    off = np.abs(rows - before - part * (after - before)).sum(axis=0)
-    return float((off / np.abs(rows - before).sum(axis=0)).max())
+    off = np.abs(rows - former - part * (following - former)).sum(axis=0)
+    return float((off / np.abs(rows - former).sum(axis=0)).max())
 
 
 def zero_one(series: Array, seed: int = 0) -> float:
@@ -265,7 +266,7 @@ def zero_one_of_bands(series: Array, grows: bool) -> tuple[float, int]:
     test = zero_one(series)
     for stride in STRIDES if grows else ():
         if test < REGULAR and len(series) >= BAND_POINTS * stride:
-            least = min(zero_one(series[first::stride]) for first in range(stride))
-            if least > IRREGULAR:
-                return least, stride
+            smallest = min(zero_one(series[first::stride]) for first in range(stride))
+            if smallest > IRREGULAR:
+                return smallest, stride
     return test, 1

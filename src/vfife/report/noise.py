@@ -31,19 +31,19 @@ def noise(summary: Json) -> Iterator[tuple[str, str]]:
     harder = rivals(summary, hardest, list(speeds))
     speed, joint = largest_text(summary, harder, "m/s", CERTAIN), _contact_words(harder)
     measured = summary.get("knocks", {})
-    whole = f"in the whole run {speed} ({joint})"
+    start = f"in the whole run {speed} ({joint})"
     if not measured or any(entry["hardest"] and entry["count"] for entry in measured.values()):
         place = f"{joint}, whole run{_silent_words(summary, harder)}"
         yield "Noise", f"hardest knock {speed} ({place}){_measured_knock(summary)}{losses}"
     elif not any(entry["count"] for entry in measured.values()):
-        yield "Noise", f"no knocks in the turns of the table; {whole}"
+        yield "Noise", f"no knocks in the turns of the table; {start}"
     else:
         contact = max(measured, key=lambda name: float(measured[name]["speed"]))
         text = knock_texts(summary, contact.split(".")[0])[0]
         largest = _with_joint(text, _contact_words([contact]))
         silent = may_not_knock(summary, contact.split(".")[0])
-        doubt = "; at other step sizes it may not knock at all" if silent else ""
-        yield "Noise", f"hardest knock {largest}, {whole}{doubt}{losses}"
+        note = "; at other step sizes it may not knock at all" if silent else ""
+        yield "Noise", f"hardest knock {largest}, {start}{note}{losses}"
 
 
 def _silent_words(summary: Json, names: list[str]) -> str:
@@ -81,7 +81,7 @@ def _measured_knock(summary: Json) -> str:
     run has harder ones.
     """
     texts = {name: knock_texts(summary, name) for name in summary["joints"]}
-    if not summary.get("knocks") or not any(whole for _, whole in texts.values()):
+    if not summary.get("knocks") or not any(speed for _, speed in texts.values()):
         return ""
     hardest = " or ".join(_with_joint(texts[joint][0], joint) for joint in hardest_joints(summary))
     return f", {hardest} in the turns of the table"
