@@ -49,7 +49,7 @@ def settled() -> Result:
 
 
 def test_knocks_of_the_start_are_not_those_of_the_turns(settled: Result) -> None:
-    """All contacts begin in the first turn, so the table has none, and the start stands beside."""
+    """All contacts begin in the first turn: the table has none, and that of the whole run stands beside."""
     knocks = measured_knocks(settled.record, settled.motion)["pin"]
     assert settled.measures["pin.impacts"] > 0 and settled.impacts.entries[-1].time < 0.2
     assert (knocks.count, knocks.speed, knocks.hardest) == (0, 0.0, False)
@@ -58,7 +58,7 @@ def test_knocks_of_the_start_are_not_those_of_the_turns(settled: Result) -> None
     (row,) = (one for one in table.rows if str(one[0]).startswith("pin"))
     assert "none" in row
     text = str(settled)
-    assert "no knocks; at the start" in text
+    assert "no knocks in the turns of the table; in the whole run" in text
     assert document(settled.summary) is not None
 
 
