@@ -14,8 +14,8 @@ from architecture.size import Size, size_of, sizes, tokens
 
 LIMITS = Size(
     files=507,
-    code=72_600,
-    tokens=729_000,
+    code=73_800,
+    tokens=742_000,
     import_lines=7_120,
     inner_imports=102,
     many_arguments=10,

@@ -121,11 +121,13 @@ def test_forces_between_teeth_are_not_modelled_and_the_answer_states_it() -> Non
 
 
 def test_fewer_than_two_turns_are_cautioned_about() -> None:
-    """Turns that were never compared may differ."""
-    assert "fewer than two turns" in text(result().summary)
-    two = copy.deepcopy(result().summary)
-    two["run"]["turns"] = 2.0 - 1e-12
-    assert "fewer than two turns" not in text(two)
+    """Turns that were never compared may differ. Cautions that come first are left out."""
+    one = copy.deepcopy(result().summary)
+    one |= {"warnings": []} | {key: {} for key in ("law_dependent", "law_shocks", "law_loads")}
+    del one["start_fall"]
+    assert "fewer than two turns" in text(one)
+    one["run"]["turns"] = 2.0 - 1e-12
+    assert "fewer than two turns" not in text(one)
 
 
 def test_its_numbers_are_those_of_the_measures() -> None:

@@ -41,16 +41,17 @@ def noise(summary: Json) -> Iterator[tuple[str, str]]:
     harder = rivals(summary, hardest, list(speeds))
     speed, joint = largest_text(summary, harder, "m/s", CERTAIN), _contact_words(harder)
     measured = summary.get("knocks", {})
-    start = f"in the whole run {speed} ({joint})"
+    start = f"in the whole run {speed}"
     if not measured or any(entry["hardest"] and entry["count"] for entry in measured.values()):
         place = f"{joint}, whole run{_silent_words(summary, harder)}"
         yield "Noise", f"hardest knock {speed} ({place}){_measured_knock(summary)}{losses}"
     elif not any(entry["count"] for entry in measured.values()):
-        yield "Noise", f"no knocks in the turns of the table; {start}"
+        yield "Noise", f"no knocks in the turns of the table; {start} ({joint})"
     else:
         contact = max(measured, key=lambda name: float(measured[name]["speed"]))
         text = knock_texts(summary, contact.split(".")[0])[0]
-        largest = _with_joint(text, _contact_words([contact]))
+        owner = _contact_words([contact])
+        largest, start = _with_joint(text, owner), start if joint == owner else f"{start} ({joint})"
         silent = may_not_knock(summary, contact.split(".")[0])
         note = "; at other step sizes it may not knock at all" if silent else ""
         yield "Noise", f"hardest knock {largest}, {start}{note}{losses}"
