@@ -124,9 +124,9 @@ def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
     open_halvings = OPEN_HALVINGS[accompanied]
     limit = open_halvings if not_periodic(record) else HALVINGS if accompanied else SMOOTH_HALVINGS
     limit += judgement is not None and judgement.lost > 0  # a step that is not stable is no try
-    is_kept = record.assembly.companion_states is not None and choice.culprit.startswith(CONTINUED)
+    inherits_step = record.assembly.companion_states is not None and choice.culprit.startswith(CONTINUED)
     if (
-        not is_kept
+        not inherits_step
         and spread > record.assembly.mechanism.settings.tolerance
         and sum(share is not None for _, share in choice.tried) < limit
     ):

@@ -252,10 +252,10 @@ def former_errors(former: Result, assembly: Assembly) -> dict[str, Any]:
     if assembly.companion_states is not None and earlier["included"]:
         return {"included": True}
     estimate = trust(former.record, former.measures)
-    own = {"measure": "", "apart": 0.0, "sensitive": False}
+    error = {"measure": "", "apart": 0.0, "sensitive": False}
     if estimate is not None:
-        own = {"measure": estimate.measure, "apart": estimate.apart, "sensitive": estimate.sensitive}
-    worst = max(own, own | earlier, key=lambda entry: float(entry["apart"]))
+        error = {"measure": estimate.measure, "apart": estimate.apart, "sensitive": estimate.sensitive}
+    worst = max(error, error | earlier, key=lambda entry: float(entry["apart"]))
     return {**worst, "included": False}
 
 
