@@ -2,6 +2,7 @@
 have come or gone since.
 """
 
+import dataclasses
 import mmap
 import sqlite3
 import subprocess
@@ -322,8 +323,19 @@ def test_errors_of_a_former_run_that_are_left_out_are_said(parts) -> None:
     third = vfife.simulate(model, turns=1, start=second)
     for result in (second, third):
         former = result.summary["trust"]["former"]
-        assert not former["included"]
+        assert not former["included"] and former["measure"] == ""  # that of the first is not known
         assert "errors of the run that it goes on from (" in certainty(result.summary)
         assert "are not included" in " ".join(trust_lines(result.summary))
-    assert second.summary["trust"]["former"]["measure"] == ""
     assert uncertain(second.summary) and not certainty(second.summary).startswith("Reliable")
+
+
+def test_a_run_that_goes_on_from_a_sensitive_one_is_not_reliable(parts) -> None:
+    """The former run is known to be sensitive, and its companions have no states: its error is a number."""
+    _, second, _ = parts
+    lost = vfife.Result(dataclasses.replace(second.record, checkpoint=None), arguments=second.arguments)
+    third = vfife.simulate(second.record.assembly.mechanism, turns=1, start=lost)
+    former = third.summary["trust"]["former"]
+    assert former["sensitive"] and former["apart"] == second.summary["trust"]["apart"]
+    assert third.record.assembly.companion_states is None
+    assert f"{former['apart']:.2%}"[0] in certainty(third.summary) and uncertain(third.summary)
+    assert f"at {former['measure']}) are not included" in certainty(third.summary)

@@ -246,7 +246,7 @@ def former_errors(former: Result, assembly: Assembly) -> dict[str, Any]:
     the largest error, the share ``apart`` (1) by which its values differ, and whether it was ``sensitive``.
 
     They are included where its companions go on from those of the former run; where companions of an even
-    earlier run were lost, its errors remain left out.
+    earlier run were lost, its errors remain left out. An empty ``measure`` means that nothing was estimated.
     """
     earlier = former.arguments.get("former", {"included": True})
     if assembly.companion_states is not None and earlier["included"]:
@@ -255,7 +255,7 @@ def former_errors(former: Result, assembly: Assembly) -> dict[str, Any]:
     error = {"measure": "", "apart": 0.0, "sensitive": False}
     if estimate is not None:
         error = {"measure": estimate.measure, "apart": estimate.apart, "sensitive": estimate.sensitive}
-    worst = max(error, error | earlier, key=lambda entry: float(entry["apart"]))
+    worst = max(error, error | earlier, key=lambda entry: (not entry["measure"], entry["apart"]))
     return {**worst, "included": False}
 
 
