@@ -2,6 +2,7 @@
 have come or gone since.
 """
 
+import dataclasses
 import mmap
 import sqlite3
 import subprocess
@@ -20,6 +21,9 @@ from vfife.errors import ModelError, RunFileError
 from vfife.job import cost
 from vfife.kernels.blocks import BLOCKS
 from vfife.measures.energy import ledger
+from vfife.report.overview import certainty, uncertain
+from vfife.report.trust import trust_lines
+from vfife.simulation.start import RestoredStart
 from vfife.solvers import record as records
 from vfife.solvers.transient import run
 from vfife.store.runfile import RunFile
@@ -266,3 +270,72 @@ def test_pieces_of_a_mapped_record_have_the_bits_of_the_whole(
     for name, values in energies.items():
         assert (bits(pieces.ledger.terms[name]) == bits(values)).all(), name
     assert list(pieces.ledger.terms) == list(energies) and pieces.measures == whole.measures
+
+
+@pytest.fixture(scope="module")
+def parts(tmp_path_factory: pytest.TempPathFactory) -> tuple[vfife.Result, vfife.Result, vfife.Result]:
+    """Three turns of the template, three that go on from their file, and six in one run."""
+    model = vfife.load(Path(vfife.__file__).parent / "modelfile" / "templates" / "four-bar.toml")
+    folder = tmp_path_factory.mktemp("parts")
+    first = vfife.simulate(model, turns=3)
+    first.save(folder / "first.sqlite")
+    second = vfife.simulate(model, turns=3, start=folder / "first.sqlite")
+    return first, second, vfife.simulate(model, turns=6, step=first.record.assembly.choice.step)
+
+
+def test_companions_go_on_from_those_of_the_former_run(parts) -> None:
+    """Ranges of a second part are those of the same turn in one run: three turns of errors are in them."""
+    first, second, whole = parts
+    assert second.record.assembly.choice.step == first.record.assembly.choice.step
+    assert second.summary["trust"]["tried"] == []  # no step makes companions agree that differ at the start
+    assert second.summary["trust"]["sensitive"] and whole.summary["trust"]["sensitive"]
+    for name in ("A.force.max", "B.force.max", "C.force.max", "D.force.max"):
+        part, one = second.measures[name], whole.measures[name]
+        assert float(part) == pytest.approx(float(one), rel=1e-3)
+        assert part.high - part.low == pytest.approx(one.high - one.low, rel=0.25), name
+        assert part.high - part.low > 0.05 * part
+    assert second.summary["trust"]["former"] == {"included": True}
+    assert "companions go on from those of the run before" in " ".join(trust_lines(second.summary))
+    assert "not included" not in certainty(second.summary)
+
+
+def test_a_run_file_has_the_starts_of_companions(parts, tmp_path: Path) -> None:
+    """A run that is killed before its first checkpoint starts its companions where it did."""
+    _, second, _ = parts
+    second.save(tmp_path / "second.sqlite")
+    again = vfife.load_result(tmp_path / "second.sqlite")
+    lasting = records.lasting_rows(second.record.assembly.layout)
+    starts, kept = (result.record.assembly.companion_states[lasting] for result in (second, again))
+    assert starts.shape[1] == 3 and not np.array_equal(starts[:, 0], starts[:, 1])
+    assert np.array_equal(bits(kept), bits(starts))
+    retried = RestoredStart(again.record, {"turns": 3.0}, {}, started=True).assemble(None)
+    assert np.array_equal(bits(retried.companion_states[lasting]), bits(starts))
+
+
+def test_errors_of_a_former_run_that_are_left_out_are_said(parts) -> None:
+    """Without the states of its companions, a run that goes on says that errors of the former one are left
+    out, and so does the run that goes on from it.
+    """
+    first, _, _ = parts
+    model = first.record.assembly.mechanism
+    alone = vfife.simulate(model, turns=1, companions=0)
+    second = vfife.simulate(model, turns=1, start=alone)
+    third = vfife.simulate(model, turns=1, start=second)
+    for result in (second, third):
+        former = result.summary["trust"]["former"]
+        assert not former["included"] and former["measure"] == ""  # that of the first is not known
+        assert "errors of the run that it goes on from (" in certainty(result.summary)
+        assert "are not included" in " ".join(trust_lines(result.summary))
+    assert uncertain(second.summary) and not certainty(second.summary).startswith("Reliable")
+
+
+def test_a_run_that_goes_on_from_a_sensitive_one_is_not_reliable(parts) -> None:
+    """The former run is known to be sensitive, and its companions have no states: its error is a number."""
+    _, second, _ = parts
+    lost = vfife.Result(dataclasses.replace(second.record, checkpoint=None), arguments=second.arguments)
+    third = vfife.simulate(second.record.assembly.mechanism, turns=1, start=lost)
+    former = third.summary["trust"]["former"]
+    assert former["sensitive"] and former["apart"] == second.summary["trust"]["apart"]
+    assert third.record.assembly.companion_states is None
+    assert f"{former['apart']:.2%}"[0] in certainty(third.summary) and uncertain(third.summary)
+    assert f"at {former['measure']}) are not included" in certainty(third.summary)

@@ -15,10 +15,13 @@ from vfife.errors import ModelError, VfifeError
 from vfife.model.wear import Wear, depth_at
 from vfife.modelfile import dump, loads
 from vfife.report.wear import document
-from vfife.tribology.simulate_wear import load_wear, wear
+from vfife.simulation.turn_steps import step_count
+from vfife.solvers.interrupts import Interrupts
+from vfife.tribology.simulate_wear import FINER, WearSimulation, load_wear, wear, wearing_surfaces
 from vfife.tribology.wear_state import (
     ANGLES,
     PLACES,
+    WearSpec,
     clearances,
     harmonics_of,
     jackson,
@@ -321,3 +324,30 @@ def test_the_answer_names_joints_whose_wear_is_not_computed():
     answer = str(document(wear(m, 1e5, block=1, settle=1, step=1e-5)).parts)
     assert "The wear of guide is not computed here" in answer
     assert "is not computed here" not in str(document(worn()).parts)
+
+
+def test_a_forecast_ends_at_the_limit_of_the_clearance():
+    """A billion turns are requested, and the pin has a tenth more clearance after a few jumps: forecast and
+    time left are of these, the range covers all turns, and both shrink as the limit comes near.
+    """
+    m = loose_pin(Wear(bearing=10.0 * SOFT, journal=10.0 * HARD))
+    spec = WearSpec(dump(m), 1e9, block=1, settle=1, clearance=2.2e-4)
+    surfaces = wearing_surfaces(m, spec)
+    spec = dataclasses.replace(spec, steps=-(-step_count([m], 5e-6) // PLACES) * PLACES)
+    with Interrupts() as interrupts:
+        simulation = WearSimulation(m, spec, surfaces, interrupts)
+        forecast = simulation.forecast(simulation.pilot(), None)
+        left, progress = [], []
+        for k, point in enumerate(simulation.points([], None)):
+            left.append(simulation.blocks_to(point, simulation.expected_end(point)))
+            progress.append(simulation.progress(point, float(k)))
+    assert point.numbers["ended"]["by"] == "clearance"
+    made = simulation.blocks.turns / 2.0 + FINER
+    assert made / 1.5 < forecast.count < 1.5 * made < 100
+    assert forecast.ends[0] <= 2.0 * simulation.turn_seconds * made <= forecast.ends[1]
+    assert forecast.ends[1] > 100.0 * forecast.seconds and ", up to " in forecast.note
+    assert all(after < before for before, after in zip(left[:-1], left[1:], strict=True)), left
+    assert progress[-1].share == 1.0 and progress[len(progress) // 2].share > 0.3
+    assert (
+        " left" in progress[1].text and "at most" not in progress[1].text and "left" not in progress[-1].text
+    )

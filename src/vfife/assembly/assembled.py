@@ -46,6 +46,9 @@ class BodyMap:
     nodes: dict[str, int] = field(default_factory=dict)
 
 
+CONTINUED = "the run that it continues"  # decides the step of a run that goes on from a former one
+
+
 @dataclass(frozen=True)
 class StepChoice:
     """The step (s), what allowed it, and how long a run with it is.
@@ -82,7 +85,8 @@ class Assembly:
     pivot are among the ideals; a block in a guide has four contacts, ``joint.1`` to ``joint.4``, and
     ``contact_joints`` names the joint of each contact. ``shared`` are the reactions that redundant joints
     leave open, ``<joint>.force``, ``<joint>.moment`` and ``<driven body>.torque``: the result has those of
-    least norm.
+    least norm. ``companion_states``, shape (rows, companions), are the starts of the companions of a run that
+    goes on from a former one; None for companions that start as the run does.
     """
 
     mechanism: Mechanism
@@ -100,6 +104,7 @@ class Assembly:
     mobility: Any = None
     notes: tuple[str, ...] = ()
     shared: tuple[str, ...] = ()
+    companion_states: NDArray[np.float64] | None = None
 
     def __repr__(self) -> str:
         return (

@@ -316,6 +316,8 @@ class DesignWork:
     def run_parts(self, job: Job, forecasts: Mapping[str, Forecast], complete: bool) -> None:
         """Compute the parts one after another, none after an interruption (not ``complete``)."""
         weights = {name: forecast.longest for name, forecast in forecasts.items()}
+        if "life" in forecasts:  # it is expected to end at its limit, not after all turns
+            weights["life"] = forecasts["life"].seconds
         if forecasts and "ranks" not in weights:  # needed if a derivative is not known
             weights["ranks"] = MACHINES * (self.machine_seconds or self.table_seconds)
         total, begin = sum(weights.values()) or 1.0, 0.0

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..assembly.assembled import CONTINUED
 from ..solvers.companions import SENSITIVE, Parting
 from ..solvers.record import Record
 from ..solvers.scales import scales
@@ -109,7 +110,8 @@ def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
 
     A step is halved if companions disagree on a measure by more than the tolerance, if first contacts are
     deeper than their joints allow, or if the energy balance is open; each a limited number of times, and less
-    often for a motion that is not periodic, because no step makes its companions agree.
+    often for a motion that is not periodic, because no step makes its companions agree. Companions that go on
+    from those of a former run halve no step that is kept from it: they differ from the start on.
     """
     # Halvings are counted by their cause, because they help differently: a spread of periodic motions shrinks
     # with the step; an open balance or one of motions that are not periodic seldom does, so few are tried.
@@ -122,8 +124,10 @@ def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
     open_halvings = OPEN_HALVINGS[accompanied]
     limit = open_halvings if not_periodic(record) else HALVINGS if accompanied else SMOOTH_HALVINGS
     limit += judgement is not None and judgement.lost > 0  # a step that is not stable is no try
+    inherits_step = record.assembly.companion_states is not None and choice.culprit.startswith(CONTINUED)
     if (
-        spread > record.assembly.mechanism.settings.tolerance
+        not inherits_step
+        and spread > record.assembly.mechanism.settings.tolerance
         and sum(share is not None for _, share in choice.tried) < limit
     ):
         unstable = diverged or (judgement is not None and judgement.lost > 0)

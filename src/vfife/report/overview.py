@@ -59,6 +59,7 @@ from .trust import (
     LEAST_DISTANCE,
     UNCOMPARED,
     alternation_words,
+    former_clause,
     mesh_clause,
     missing_estimate,
     over_several_turns,
@@ -171,8 +172,10 @@ def uncertain(summary: Json) -> bool:
     trust = summary["trust"]
     if summary["status"] in FAILURES or not trust or trust.get("lost") or not trust.get("converges", True):
         return True
+    former = trust.get("former", {"included": True})
     return (
-        bool(scatter_over_turns(summary))
+        (not former["included"] and (former["sensitive"] or not former["measure"]))
+        or bool(scatter_over_turns(summary))
         or without_turns(summary)
         or any(error > CERTAIN for error in errors(summary).values())
     )
@@ -182,7 +185,7 @@ def certainty(summary: Json) -> str:
     """Return how far the forces, moments and torques of a run can be trusted, in one or two sentences."""
     sentences = [
         fall_sentence(summary),
-        _with_meshes(summary),
+        _from_its_start(summary, _with_meshes(summary)),
         law_sentence(summary),
         period_sentence(summary),
     ]
@@ -222,6 +225,26 @@ def _with_meshes(summary: Json) -> str:
     if text.startswith(RELIABLE):
         return f"{head.removesuffix('.')}; {clause}.{stop[1:]}{rest}"
     return f"{text} {clause[0].upper()}{clause[1:]}."
+
+
+def _from_its_start(summary: Json, text: str) -> str:
+    """Return how far the values can be trusted, with the errors of the run from which a run goes on where no
+    range includes them. A run that goes on from a sensitive one, or from one without ranges, is not
+    called reliable.
+    """
+    clause, trust = former_clause(summary["trust"]), summary["trust"]
+    if not clause or summary["status"] in FAILURES:
+        return text
+    if not text.startswith(RELIABLE):
+        return f"{text} {clause[0].upper()}{clause[1:]}."
+    head, stop, rest = text.partition(". ")
+    lead, colon, change = head.removesuffix(".").partition(": ")
+    former = trust["former"]
+    if former["sensitive"] or not former["measure"]:
+        state = "is sensitive" if former["sensitive"] else "has no estimate of its errors"
+        lead = f"The run that it goes on from {state}"
+    change = f"from its start on {change}; " if change else ""
+    return f"{lead}{colon or ': '}{change}{clause}.{stop[1:]}{rest}"
 
 
 def law_sentence(summary: Json) -> str:

@@ -32,7 +32,9 @@ def trust_summary(result: RunData) -> dict[str, Any]:
     ``companions``; ``sensitive``; the ``measure`` with the largest error, the relative scatter ``apart`` of
     its values over all step sizes (1), ``low`` and ``high`` of the range that estimates its error; where the
     runs diverge, ``time`` (s) and ``joint``; how many are ``lost``; ``tolerance`` (1) and the steps that were
-    ``tried``. A smooth run has no companions, and ``order`` beside the error ``apart``.
+    ``tried``. A smooth run has no companions, and ``order`` beside the error ``apart``. ``former``, for a run
+    that goes on from another one: whether the errors of that one are ``included``, else the ``measure`` with
+    the largest of them, ``apart`` and ``sensitive``.
     """
     record = result.record
     estimate = trust(record, result.measures)
@@ -44,6 +46,8 @@ def trust_summary(result: RunData) -> dict[str, Any]:
     }
     if not entry["unstable"]:
         del entry["unstable"]
+    if former := getattr(result, "arguments", {}).get("former"):
+        entry["former"] = former
     parting = entry.pop("parting") or {"time": None, "joint": None}
     wild = 1.0 - 1.0 / BLOW_UP if tries_blew_up(record) else math.inf
     tried = [
@@ -130,6 +134,19 @@ def unstable_tries(trust: Json) -> str:
     return (
         f" At the steps tried before, {and_words(steps)}, runs diverged or blew up: ranges leave those out."
     )
+
+
+def former_clause(trust: Json) -> str:
+    """Return that the errors of the run from which a run goes on are in no range; "" where they are."""
+    former = trust.get("former")
+    if not former or former["included"]:
+        return ""
+    size = (
+        f"up to {100.0 * former['apart']:.2g} % at {former['measure']}"
+        if former["measure"]
+        else "not estimated"
+    )
+    return f"errors of the run that it goes on from ({size}) are not included"
 
 
 def step_coverage(trust: Json) -> str:
@@ -256,6 +273,13 @@ def trust_lines(summary: Json) -> Iterator[str]:
         sensitive = f": sensitive (beyond {100.0 * SENSITIVE:g} %)" if trust["sensitive"] else ""
         within = f"{100.0 * trust['apart']:.2g} % at {trust['measure']}"
         yield f"this run and {trust['companions']} with other step sizes agree within {within}{sensitive}"
+    if clause := former_clause(trust):
+        yield clause
+    elif "former" in trust:
+        yield (
+            "companions go on from those of the run before, so that ranges include its errors, but not those"
+            " of other steps that it tried"
+        )
     if clause := mesh_clause(summary):
         yield f"ranges are those of the step; {clause}"
     elif any(body["elements"] > 0 for body in summary["model"]["bodies"].values()):

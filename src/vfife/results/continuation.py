@@ -25,7 +25,7 @@ from ..kinematics.start import StartState
 from ..measures.motion import body_motion, body_velocity
 from ..model.mechanism import Mechanism
 from ..numerics.scalar import sincos
-from ..solvers.record import Record
+from ..solvers.record import Record, lasting_rows
 from ..solvers.status import Status
 from .run_data import RunData
 
@@ -139,13 +139,41 @@ def step_of(record: Record, assembly: Assembly) -> float | None:
 
 def with_last_state(assembly: Assembly, record: Record) -> Assembly:
     """Give an assembly the last state of a run of the same layout: positions, velocities, element and contact
-    forces.
+    forces. Companions get those of the companions.
 
     Works and counts start at zero, and so do steps; prescribed angles and travels continue by the clock of
     the mechanism. Velocities, which a state holds at half steps, are those at the step.
     """
+    tables = assembly.tables.copy()
+    state = _continued(assembly, record, record.assembly.state if record.final is None else record.final)
+    _drivers(assembly, state, tables)
+    lanes = [_continued(assembly, record, lane) for lane in companion_ends(record)]
+    for lane in lanes:
+        _drivers(assembly, lane, assembly.tables.copy())
+    return dataclasses.replace(
+        assembly, state=state, tables=tables, companion_states=np.column_stack(lanes) if lanes else None
+    )
+
+
+def companion_ends(record: Record) -> list[Array]:
+    """Return the states S of the companions at the end of a run, each (rows,); none without companions,
+    without their states, and where one has numbers that are not finite.
+    """
+    last, layout = record.checkpoint, record.assembly.layout
+    if last is None or last.values.ndim == 1 or last.step != record.steps[-1]:
+        return []
+    if not np.isfinite(last.values).all():
+        return []
+    states = np.zeros((layout.rows, last.values.shape[1]))
+    states[lasting_rows(layout)] = last.values
+    return list(states.T[1:])
+
+
+def _continued(assembly: Assembly, record: Record, old: Array) -> Array:
+    """Return the state at the start of a run that goes on from the state ``old`` of a former one, before its
+    prescribed motions do.
+    """
     state, new_layout, old_layout = assembly.state.copy(), assembly.layout, record.assembly.layout
-    old = record.assembly.state if record.final is None else record.final
     for block in BLOCKS:
         fresh = block.entity in ("system", "function", "body") or block.name.endswith(RESET)
         if block.role in ("state", "memory") and not fresh:
@@ -158,9 +186,7 @@ def with_last_state(assembly: Assembly, record: Record) -> Assembly:
         state[new_layout[f"particle_{rate}"][free]] = (
             0.0 if at_rest else (half - 0.5 * dt * a) / (1.0 - 0.5 * damping * dt)
         )
-    tables = assembly.tables.copy()
-    _drivers(assembly, state, tables)
-    return dataclasses.replace(assembly, state=state, tables=tables)
+    return state
 
 
 def _drivers(assembly: Assembly, state: Array, tables: Array) -> None:

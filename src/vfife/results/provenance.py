@@ -145,7 +145,11 @@ def assembly_meta(assembly: Assembly) -> dict[str, Any]:
         "assembly": entries,
         "start": assembly.state[lasting_rows(assembly.layout)],
         "tables": assembly.tables,
-    }
+    } | (
+        {}
+        if assembly.companion_states is None
+        else {"companion_starts": assembly.companion_states[lasting_rows(assembly.layout)]}
+    )
 
 
 def companions_meta(
@@ -312,9 +316,14 @@ def assembly_of(meta: Mapping[str, Any], mechanism: Mechanism, choice: StepChoic
     )
     names = {name: entries.get(name, ()) for name in NAMES}
     state = state_of(layout, entries["blocks"], meta["start"], place)
+    starts = meta.get("companion_starts")
+    lanes = None
+    if starts is not None:
+        lanes = np.column_stack([state_of(layout, entries["blocks"], lane, place) for lane in starts.T])
     return Assembly(
-        mechanism, topology, layout, state, meta["tables"], bodies, choice=choice, mobility=mobility, **names
-    )
+        mechanism, topology, layout, state, meta["tables"], bodies, choice=choice, mobility=mobility, **names,
+        companion_states=lanes,
+    )  # fmt: skip
 
 
 def state_of(

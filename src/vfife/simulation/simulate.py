@@ -43,7 +43,17 @@ from ..store.lock import run_lock
 from ..store.runfile import GATHER, RunFile
 from ..store.schemas import is_run_file
 from .result import Result
-from .start import RestoredStart, RunStart, Span, StartFrom, StaticStart, expected_forces, ideal_of, referred
+from .start import (
+    RestoredStart,
+    RunStart,
+    Span,
+    StartFrom,
+    StaticStart,
+    expected_forces,
+    former_errors,
+    ideal_of,
+    referred,
+)
 
 # What is computed after the last step.
 COMPARING = "comparing turns and steps"
@@ -293,6 +303,8 @@ def prepare(
     if job is not None:
         forecast(job, assembly, None if ideal is None else ideal.record.assembly, refined, companions)
     description = {**length, "started": former is not None, "sources": sources_of_the_step().decode()}
+    if isinstance(former, Result):
+        description["former"] = former_errors(former, assembly)
     return Prepared(assembly, ideal, spec.loop, begin, companions, refined, description)
 
 

@@ -6,10 +6,10 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TypeAlias, TypedDict, Unpack
+from typing import Any, TypeAlias, TypedDict, Unpack
 
 from ..assembly.assemble import assemble, assemble_all
-from ..assembly.assembled import Assembly
+from ..assembly.assembled import CONTINUED, Assembly
 from ..assembly.possible import Outlook, outlook
 from ..assembly.timestep import CONTACT_STEPS, FIRST_CONTACT_STEPS
 from ..errors import VfifeError
@@ -18,6 +18,7 @@ from ..kinematics.batch import Shared, Structures
 from ..kinematics.initial import Motion
 from ..measures.catalogue import LOADS
 from ..measures.error_ranges import own_ranges
+from ..measures.trust import trust
 from ..model.functions import repeats_each_turn
 from ..model.mechanism import Mechanism
 from ..results.continuation import (
@@ -239,6 +240,25 @@ def assembled_at(
     )
 
 
+def former_errors(former: Result, assembly: Assembly) -> dict[str, Any]:
+    """Return whether the ranges of a run with this ``assembly`` have the errors of the ``former`` run from
+    which it goes on ``included``, for JSON; if not, the ``measure`` of that run, or of one before it, with
+    the largest error, the share ``apart`` (1) by which its values differ, and whether it was ``sensitive``.
+
+    They are included where its companions go on from those of the former run; where companions of an even
+    earlier run were lost, its errors remain left out. An empty ``measure`` means that nothing was estimated.
+    """
+    earlier = former.arguments.get("former", {"included": True})
+    if assembly.companion_states is not None and earlier["included"]:
+        return {"included": True}
+    estimate = trust(former.record, former.measures)
+    error = {"measure": "", "apart": 0.0, "sensitive": False}
+    if estimate is not None:
+        error = {"measure": estimate.measure, "apart": estimate.apart, "sensitive": estimate.sensitive}
+    worst = max(error, error | earlier, key=lambda entry: (not entry["measure"], entry["apart"]))
+    return {**worst, "included": False}
+
+
 @dataclass(frozen=True)
 class RunStart:
     """Start and length of a run: everything but the step.
@@ -283,7 +303,7 @@ class RunStart:
         )
         if former is not None:
             assembly = self.assemble(former)
-            choice = dataclasses.replace(assembly.choice, automatic=True, culprit="the run that it continues")
+            choice = dataclasses.replace(assembly.choice, automatic=True, culprit=CONTINUED)
             return dataclasses.replace(assembly, choice=choice)
         if (
             begin != CONTACT_STEPS
@@ -331,4 +351,9 @@ class RestoredStart:
         # The whole state is copied, because element and contact forces do not follow from positions.
         state = record.assembly.state.copy()
         state[assembly.layout["step"]] = assembly.choice.step
-        return dataclasses.replace(assembly, state=state, tables=record.assembly.tables)
+        return dataclasses.replace(
+            assembly,
+            state=state,
+            tables=record.assembly.tables,
+            companion_states=record.assembly.companion_states,
+        )

@@ -72,8 +72,12 @@ def steps_inside(counts: Counts, inside: int) -> Counts:
 
 
 def initial_states(assembly: Assembly, counts: Counts) -> Array:
-    """Return the states at the start, shape (rows, lanes), which differ only in their step sizes."""
-    states = np.repeat(assembly.state[:, None], len(counts), axis=1)
+    """Return the states at the start, shape (rows, lanes). They differ only in their step sizes, except in a
+    run that goes on from a former one: its companions go on from those of that run, one after the other.
+    """
+    states, starts = np.repeat(assembly.state[:, None], len(counts), axis=1), assembly.companion_states
+    if starts is not None:
+        states[:, 1:] = starts[:, np.arange(len(counts) - 1) % starts.shape[1]]
     states[assembly.layout["step"]] = step_sizes(assembly, counts)
     return states
 

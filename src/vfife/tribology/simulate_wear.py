@@ -49,6 +49,7 @@ from .wear_state import (
     clearances,
     harmonics_of,
     largest_change,
+    life_end,
     rates,
     shaped,
     sharpness,
@@ -129,7 +130,7 @@ def wear(
         file,
         confirm,
         progress,
-        lambda state: report(state.done, state.steps, round(simulation.blocks.turns)),
+        lambda state: report(state.done, spec.turns, round(simulation.blocks.turns)),
     )
     document = {"name": mechanism.name, "asked": vars(spec)}
     try:
@@ -137,7 +138,6 @@ def wear(
             if store is not None:
                 points, difference = store.points(), store.companion_difference
             simulation = WearSimulation(mechanism, spec, surfaces, interrupts)
-            stored_turns = points[-1].numbers["turns"] if points else 0.0
             announced = simulation.forecast(points[-1] if points else simulation.pilot(), file)
             job.begin(announced)
             for point in simulation.points(
@@ -150,7 +150,7 @@ def wear(
                         "points", len(points), point.numbers, point.depth, point.rate, simulation.blocks.state
                     )
                 points.append(point)
-                job(simulation.progress(point.numbers["turns"], stored_turns, time.monotonic() - began))
+                job(simulation.progress(point, time.monotonic() - began))
             if not difference:
                 difference = step_difference(spec, surfaces, simulation.blocks, points[-1].rate, interrupts)
                 if store is not None:
@@ -300,6 +300,9 @@ class WearSimulation:
         self.blocks = WearRunner(assembly, PLACES, interrupts)
         self.turn_seconds = 0.0  # processor time of a turn, once it is timed
         self.block_numbers: dict[str, Any] = {}
+        self.pace_start: tuple[float, float] | None = (
+            None  # simulated turns and time (s) of the first progress
+        )
         self.clearance = min(surface.clearance for surface in surfaces)
 
     def measure(self, change: Array) -> float:
@@ -357,12 +360,10 @@ class WearSimulation:
             last = self.row(start, joints)
             last["ended"] = life_end(spec, last, None)
             yield WearPoint(start.depth, start.rate, last)
-        tolerance, reach = (
-            share * self.clearance for share in (spec.tolerance, REACH if spec.harmonics else np.inf)
-        )
+        tolerance = spec.tolerance * self.clearance
         if last["ended"]:
             return
-        for end in jumps(self.rate, start, spec.turns, tolerance, self.measure, reach):
+        for end in jumps(self.rate, start, spec.turns, tolerance, self.measure, self.reach):
             end = self.limited(start, end)
             numbers = self.row(end, joints)
             numbers["ended"] = life_end(spec, numbers, last)
@@ -372,59 +373,107 @@ class WearSimulation:
             start, last = end, numbers
 
     def forecast(self, point: WearPoint, file: str | Path | None) -> Forecast:
-        """Return the forecast of what remains after a point, if wear continues at its rate: jumps that grow
-        as fast as the control permits, each with one block for Euler's step and one at its end, and one
-        block with finer steps.
+        """Return the forecast of what remains after a point, if wear continues at its rate, which reaches a
+        limit of the clearance where there is one. With a limit, the time lies between that of the fastest
+        wear that jumps permit and that of all turns.
         """
-        spec, numbers = self.spec, point.numbers
-        blocks, size, left = FINER, float(numbers["next"]), spec.turns - numbers["turns"]
-        reach = REACH * self.clearance / max(self.measure(point.rate), 1e-300) if spec.harmonics else math.inf
+        spec, numbers, turns = self.spec, point.numbers, self.spec.settle + self.spec.block
+        if not (self.turn_seconds or numbers["ended"]):
+            self.pilot()
+        end = self.expected_end(point)
+        blocks, all_blocks = self.blocks_to(point, end), self.blocks_to(point, spec.turns)
+        fewest = min(FINER + 2 * self.fewest_jumps(point), blocks)
+        block = self.turn_seconds * turns  # s
+        is_limited = spec.clearance is not None or spec.force is not None
+        limited = ", less where a limit is reached" if is_limited else ""
+        if blocks < all_blocks:
+            limited = f", up to {span(block * all_blocks)} if it slows down and no limit is reached"
+        return Forecast(
+            "block", 0 if numbers["ended"] else blocks, turns * spec.steps, block * blocks,
+            disk=16.0 * point.depth.size * blocks, remedy="ask for fewer turns or smaller blocks",
+            note=f", if wear goes on as in its first turns{limited}",
+            ends=(block * fewest, block * all_blocks) if is_limited else None,
+        )  # fmt: skip
+
+    def blocks_to(self, point: WearPoint, end: float) -> int:
+        """Return the blocks that remain after a point until ``end`` (turns) at its rate: jumps that grow as
+        fast as the control permits, each with one block for Euler's step and one at its end, and one block
+        with finer steps.
+        """
+        numbers = point.numbers
+        blocks, size, left = FINER, float(numbers["next"]), end - numbers["turns"]
+        reach = self.reach / max(self.measure(point.rate), 1e-300)
         while left > 0.0 and not numbers["ended"] and blocks < MOST_BLOCKS:
             size = min(max(size, SHORTEST_JUMP), reach)
             left, size, blocks = left - size, GROW * size, blocks + 2
-        turns = spec.settle + spec.block
-        if not (self.turn_seconds or numbers["ended"]):
-            self.pilot()
-        count, seconds = 0 if numbers["ended"] else blocks, self.turn_seconds * turns * blocks
-        limited = "" if spec.clearance is None and spec.force is None else ", less where a limit is reached"
-        return Forecast(
-            "block", count, turns * spec.steps, seconds, disk=16.0 * point.depth.size * blocks,
-            remedy="ask for fewer turns or smaller blocks",
-            note=f", if wear goes on as in its first turns{limited}",
-        )  # fmt: skip
+        return blocks
 
-    def progress(self, turns: float, stored_turns: float, seconds: float) -> Progress:
-        """Return the progress at ``turns``, of which ``stored_turns`` were in the file, after
-        ``seconds`` (s)."""
-        spec, progress = self.spec, turns - stored_turns
-        qualifier = "" if spec.clearance is None and spec.force is None else "at most "
-        left = (
-            f", {qualifier}{span(seconds * (spec.turns - turns) / progress)} left"
-            if progress > 0.0 and turns < spec.turns
-            else ""
-        )
-        text = f"{turns:,.0f} of {spec.turns:,.0f} turns, {self.blocks.turns:,.0f} simulated{left}"
-        return Progress(turns, spec.turns, seconds, text)  # type: ignore[arg-type]
+    @property
+    def reach(self) -> float:
+        """Largest change of a depth in a jump (m)."""
+        return REACH * self.clearance if self.spec.harmonics else math.inf
 
-    def limited(self, start: Standing, end: Standing) -> Standing:
-        """Return the jump from ``start`` to ``end``, shortened by bisection to the turn at which a joint
-        reaches the limit of its clearance. Fifty halvings leave nothing but rounding.
+    def fewest_jumps(self, point: WearPoint) -> int:
+        """Return the fewest jumps to a limit: both surfaces of a joint change by :attr:`reach` at most. A
+        force may reach its limit in one.
         """
+        spec = self.spec
+        if spec.clearance is None or spec.force is not None:
+            return 1
+        largest = max(clearances(self.surfaces, point.depth, spec.harmonics))
+        return max(1, math.ceil((spec.clearance - largest) / (2.0 * self.reach)))
 
-        def largest(depth: Array) -> float:
-            return max(clearances(self.surfaces, depth, self.spec.harmonics))
+    def expected_end(self, point: WearPoint) -> float:
+        """Return the turns, at most all, at which a clearance reaches its limit at the rate of a point."""
+        spec, turns = self.spec, float(point.numbers["turns"])
+        left = spec.turns - turns
+        if spec.clearance is None or left <= 0.0 or not self.is_beyond(point.depth + left * point.rate):
+            return spec.turns
+        return turns + left * self.limit_share(lambda share: point.depth + share * left * point.rate)
 
+    def is_beyond(self, depth: Array) -> bool:
+        """Return whether surfaces of this ``depth`` (m) have the limit of the clearance or more."""
         limit = self.spec.clearance
-        if limit is None or end.end_rate is None or largest(end.depth) < limit:
-            return end
+        return limit is not None and max(clearances(self.surfaces, depth, self.spec.harmonics)) >= limit
+
+    def limit_share(self, depth: Callable[[float], Array]) -> float:
+        """Return the share (1) of a way at whose ``depth`` (m) a joint reaches the limit of its clearance, by
+        bisection. Fifty halvings leave nothing but rounding.
+        """
         low, high = 0.0, 1.0
         for _ in range(50):
             middle = 0.5 * (low + high)
-            reached = largest(depth_within(start, middle, end.size, end.end_rate)) >= limit
-            low, high = (low, middle) if reached else (middle, high)
-        depth = depth_within(start, high, end.size, end.end_rate)
+            low, high = (low, middle) if self.is_beyond(depth(middle)) else (middle, high)
+        return high
+
+    def progress(self, point: WearPoint, seconds: float) -> Progress:
+        """Return the progress at a ``point`` after ``seconds`` (s), with the time that is left by the blocks
+        that remain and the time of those since the first call.
+        """
+        spec, turns, simulated = self.spec, point.numbers["turns"], self.blocks.turns
+        end, left = turns if point.numbers["ended"] else self.expected_end(point), ""
+        if self.pace_start is None:
+            self.pace_start = simulated, seconds
+        turns_before, seconds_before = self.pace_start
+        if simulated > turns_before and turns < end:
+            pace = (seconds - seconds_before) / (simulated - turns_before)
+            time_left = span(pace * (spec.settle + spec.block) * self.blocks_to(point, end))
+            may_end = spec.force is not None or (spec.clearance is not None and end >= spec.turns)
+            left = f", {'at most ' if may_end else ''}about {time_left} left"
+        text = f"{turns:,.0f} of {spec.turns:,.0f} turns, {simulated:,.0f} simulated{left}"
+        return Progress(turns, end or spec.turns, seconds, text)  # type: ignore[arg-type]
+
+    def limited(self, start: Standing, end: Standing) -> Standing:
+        """Return the jump from ``start`` to ``end``, shortened to the turn at which a joint reaches the limit
+        of its clearance.
+        """
+        end_rate = end.end_rate
+        if end_rate is None or not self.is_beyond(end.depth):
+            return end
+        share = self.limit_share(lambda part: depth_within(start, part, end.size, end_rate))
+        depth, size = depth_within(start, share, end.size, end_rate), share * end.size
         return dataclasses.replace(
-            end, turns=start.turns + high * end.size, depth=depth, rate=self.rate(depth), size=high * end.size
+            end, turns=start.turns + size, depth=depth, rate=self.rate(depth), size=size
         )
 
     def row(self, point: Standing, joints: list[str]) -> dict[str, Any]:
@@ -442,23 +491,6 @@ def differs(forecast: Forecast, former: Forecast) -> bool:
     """Return whether a forecast is so far from a former one that it is worth another line."""
     low, high = sorted((forecast.count, former.count))
     return high > REVISED * low
-
-
-def life_end(spec: WearSpec, numbers: dict[str, Any], last: dict[str, Any] | None) -> dict[str, Any]:
-    """Return turns, joint and limit (``by``) if a life ends at this point, else an empty dictionary.
-
-    ``last`` are the numbers of the point before. The turn at which a force reaches its limit is interpolated
-    between the two points; that of a clearance is exact (:meth:`WearSimulation.limited`).
-    """
-    for joint, clearance, force in zip(numbers["joints"], numbers["play"], numbers["force"], strict=True):
-        if spec.clearance is not None and clearance >= spec.clearance * (1.0 - 1e-9):
-            return {"turns": numbers["turns"], "joint": joint, "by": "clearance"}
-        if spec.force is not None and force >= spec.force:
-            former_force = 0.0 if last is None else last["force"][numbers["joints"].index(joint)]
-            share = 1.0 if last is None else (spec.force - former_force) / (force - former_force)
-            begin = numbers["turns"] if last is None else last["turns"]
-            return {"turns": begin + share * (numbers["turns"] - begin), "joint": joint, "by": "force"}
-    return {}
 
 
 def largest_forces(record: Record, surfaces: list[Surface]) -> list[float]:

@@ -409,6 +409,23 @@ def rates(record: Record, surfaces: Sequence[Surface], turns: int) -> tuple[Arra
     return depth, spread
 
 
+def life_end(spec: WearSpec, numbers: dict[str, Any], last: dict[str, Any] | None) -> dict[str, Any]:
+    """Return turns, joint and limit (``by``) if a life ends at this point, else an empty dictionary.
+
+    ``last`` are the numbers of the point before. The turn at which a force reaches its limit is interpolated
+    between the two points; that of a clearance is exact, because the last jump ends there.
+    """
+    for joint, clearance, force in zip(numbers["joints"], numbers["play"], numbers["force"], strict=True):
+        if spec.clearance is not None and clearance >= spec.clearance * (1.0 - 1e-9):
+            return {"turns": numbers["turns"], "joint": joint, "by": "clearance"}
+        if spec.force is not None and force >= spec.force:
+            former_force = 0.0 if last is None else last["force"][numbers["joints"].index(joint)]
+            share = 1.0 if last is None else (spec.force - former_force) / (force - former_force)
+            begin = numbers["turns"] if last is None else last["turns"]
+            return {"turns": begin + share * (numbers["turns"] - begin), "joint": joint, "by": "force"}
+    return {}
+
+
 def clearances(surfaces: Sequence[Surface], depth: Array, harmonics: int) -> list[float]:
     """Return the clearance (m) of each worn joint: the original one plus the depths of the deepest places of
     its surfaces, smoothed as the contact geometry uses them.
