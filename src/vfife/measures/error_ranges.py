@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..solvers.companions import SENSITIVE, oldest_needed
 from ..solvers.record import Record
 from ..solvers.repeating import turn_grid
-from ..solvers.scales import NEGLIGIBLE, Scales, scales
+from ..solvers.scales import NEGLIGIBLE, Scales
 from ..solvers.status import Status
 from .catalogue import INFLUENCE, PEAKS, Groups, compared, lip, measures, over_run, over_turn, unit_of
 from .contacts import pressure_bounds
@@ -31,7 +31,7 @@ from .samples import Samples
 from .statics import EXACT
 from .turns import after_first, companion_turns_of, each_turn, last_turn, of_window, record_of_companion
 from .values import Measured, Measures
-from .zero_limits import zero_limits
+from .zero_limits import scales_of_run, zero_limits
 
 Array = NDArray[np.float64]
 Choice: TypeAlias = Groups | None  # some measures of a turn, or all
@@ -342,7 +342,7 @@ def followed(
     """Return whether every largest value lies within its earlier range, widened by its own width and by the
     tolerance of its size.
     """
-    sizes_now = sizes(ranges, record.assembly.choice.step, scales(record.assembly))
+    sizes_now = sizes(ranges, record.assembly.choice.step, scales_of_run(record))
     tolerance = record.assembly.mechanism.settings.tolerance
     has_several_steps = len(set(step_ratios(record))) > 1
     for name, (low, high) in earlier.items():
@@ -387,7 +387,7 @@ def spreads_after_parting(record: Record, hulls: Mapping[str, Measured]) -> dict
     (:func:`~vfife.measures.error_ranges.peaks_after_parting`) differ, over their size (1), where their range
     exceeds the largest value of all (``hulls``).
     """
-    size = sizes(hulls, record.assembly.choice.step, scales(record.assembly))
+    size = sizes(hulls, record.assembly.choice.step, scales_of_run(record))
     return {
         name: (later.high - later.low) / size[name]
         for name, later in peaks_after_parting(record).items()
@@ -417,7 +417,7 @@ def sensitive_tries(record: Record) -> Mapping[str, tuple[float, float]]:
     if companions is None or not companions.tries:
         return {}
     hulls = over_tries(record, groups=PEAKS)
-    worst = largest(spreads(hulls, record.assembly.choice.step, scales(record.assembly)))
+    worst = largest(spreads(hulls, record.assembly.choice.step, scales_of_run(record)))
     _, spread = worst if worst[1] > SENSITIVE else later_spread(record, hulls, worst)
     return companions.tries if spread > SENSITIVE or unstable_companions(record) else {}
 

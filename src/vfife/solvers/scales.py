@@ -68,9 +68,9 @@ class Scales:
         return kinds.get(quantity, 0.0)
 
 
-def scales(assembly: Assembly) -> Scales:
+def scales(assembly: Assembly, substitute: float = 0.0) -> Scales:
     """Return the scales of a mechanism from its model: loads, weights, masses, sizes and speeds at the start
-    or of its drivers.
+    or of its drivers. ``substitute`` (N) is the force where none of these gives one.
     """
     state, layout = assembly.state, assembly.layout
     drivers = assembly.mechanism.drivers.values()
@@ -86,6 +86,7 @@ def scales(assembly: Assembly) -> Scales:
     force = max(
         _largest(hypot(x, y)), _largest_load(assembly, size), weight, mass * max(circling, default=0.0)
     )
+    force = force if force > 0.0 else substitute
     start = _largest(hypot(*(state[layout[f"particle_{axis}"]] for axis in "uv")))
     fall = math.sqrt(force / mass * size) if mass > 0.0 else 0.0
     accelerations = {
