@@ -230,3 +230,18 @@ def test_a_model_without_loads_has_the_scale_of_its_springs_and_its_start() -> N
     m.spring("s", "ground.O", "block.center", stiffness=1000, free_length=0.09)
     record = vfife.simulate(m, duration=0.5).record
     assert scales_of_run(record).force == pytest.approx(10.0, rel=1e-3)
+
+
+def test_a_rod_that_turns_evenly_has_a_certain_force() -> None:
+    """1 kg at 0.1 m and 3 rad/s press with 0.9 N; its angular acceleration vanishes with the step, and its
+    relative error, which does not, is none of the force.
+    """
+    m = vfife.Mechanism("rod")
+    m.point("O", 0.3, 0.1)
+    m.link("rod", length=0.2, mass=1, angle="20 deg", velocity=(0, 0, 3))
+    m.revolute("O", "ground.O", "rod.start")
+    result = vfife.simulate(m, duration=0.5)
+    force = result.measures["O.force.max"]
+    assert force.low < 0.9 < force.high and force.high - force.low < 1e-4
+    assert 0.0 < result.measures["rod.angular_acceleration.max"] < 27.0 * result.step
+    assert not result.summary["trust"]["tried"] and not result.summary["trust"]["sensitive"]

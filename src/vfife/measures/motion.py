@@ -68,9 +68,9 @@ def accelerations(record: Record) -> dict[str, Array]:
 
 
 def at_rest(record: Record) -> bool:
-    """Return whether nothing moves in a run: particles stay where they are at its first output, by REST_DISTANCE of
-    the size of the mechanism and REST_DISTANCE rad, and have no velocity that would take them farther until the next
-    output.
+    """Return whether nothing moves in a run: particles stay where they are at its first output, by
+    REST_DISTANCE of the size of the mechanism, or rad, and have no velocity that would take them farther
+    until the next output.
     """
     if record.static or len(record.steps) < 2:
         return False

@@ -32,7 +32,7 @@ def estimate(record: Record, refined: Refined) -> Estimate:
     full, half, quarter = (values_of(part, record) for part in (record, refined.half, refined.quarter))
     names = [name for name in full if not name.endswith(PLACES) and name in half and name in quarter]
     errors = {name: error_of(full[name], half[name], quarter[name], refined.ratio) for name in names}
-    run_sizes = {name: Measured(value) for name, value in full.items()}
+    run_sizes = {name: Measured(value, value - errors.get(name, 0.0), value) for name, value in full.items()}
     size = sizes(run_sizes, record.assembly.choice.step, scales_of_run(record))
     floor = FLOOR * max((errors[name] / size[name] for name in errors if name in size), default=0.0)
     errors = {name: max(error, floor * size.get(name, abs(full[name]))) for name, error in errors.items()}

@@ -34,7 +34,8 @@ SPEEDS = ("approach_speed.max", "sliding_velocity.max")
 @dataclass(frozen=True)
 class Scales:
     """Scales of a mechanism: ``force`` (N), ``length`` (m), ``speed`` (m/s), and ``accelerations`` of its
-    bodies by name (rad/s^2): forces are those of loads, weights and m r w^2.
+    bodies by name (rad/s^2): forces are those of loads, weights and m r w^2. ``remainder`` (rad/s^2) is the
+    angular acceleration w^3 h that a step h leaves in a body that turns evenly.
 
     A scale is 0 where nothing gives one: a mechanism at rest without load.
     """
@@ -43,6 +44,7 @@ class Scales:
     length: float
     speed: float
     accelerations: dict[str, float]
+    remainder: float = 0.0
 
     @property
     def moment(self) -> float:
@@ -93,7 +95,8 @@ def scales(assembly: Assembly, substitute: float = 0.0) -> Scales:
         body.name: max(spin * spin, force * _arm(body) / body.inertia if body.inertia > 0.0 else 0.0)
         for body in bodies
     }
-    return Scales(force, size, max(spin * size, start, fall), accelerations)
+    remainder = spin * spin * spin * assembly.choice.step
+    return Scales(force, size, max(spin * size, start, fall), accelerations, remainder)
 
 
 def least_compared_acceleration(choice: StepChoice) -> float:
