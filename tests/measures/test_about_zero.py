@@ -8,6 +8,7 @@ import pytest
 
 import vfife
 from vfife import gallery
+from vfife.measures.zero_limits import scales_of_run
 from vfife.modelfile import loads as model_of
 from vfife.report.overview import certainty
 from vfife.report.run import document
@@ -188,3 +189,59 @@ def test_an_idle_crank_has_no_mean_torque_and_no_power(speed: float | None) -> N
         assert power.high == -power.low == pytest.approx(zeros["crank.power.mean"], rel=1e-3)
     else:
         assert power.low > 10.0
+
+
+def geared_rotors(ratio: float) -> vfife.Mechanism:
+    """Two rotors on shafts through their centres of mass, a gear and a torsional spring, without gravity."""
+    m = vfife.Mechanism("gears")
+    m.point("O", 0, 0)
+    m.point("Q", 0.1, 0)
+    m.rigid_body("a", mass=0.5, inertia=2e-4, velocity=(0, 0, 5))
+    m.rigid_body("b", mass=0.5, inertia=2e-4, position=(0.1, 0), velocity=(0, 0, 5 * ratio))
+    m.revolute("s", "ground.O", "a.center")
+    m.revolute("q", "ground.Q", "b.center")
+    m.gear("g", "a", "b", ratio=ratio)
+    m.torsional_spring("t", "ground", "b", stiffness=0.1)
+    return m
+
+
+@pytest.mark.parametrize("ratio", [-1.0, -0.5, 2.0])
+def test_shafts_through_centres_of_mass_carry_nothing(ratio: float) -> None:
+    result = vfife.simulate(geared_rotors(ratio), duration=0.2)
+    summary = result.summary
+    forces = {name: summary["measures"][f"{name}.force.max"] for name in "sq"}
+    assert all(force < 1e-9 for force in forces.values())
+    assert {name for name, force in forces.items() if force > 0.0} <= {
+        name.split(".")[0] for name in summary["about_zero"]
+    }
+    assert certainty(summary).startswith("Reliable") and "N m" in str(result)
+    assert not summary["trust"]["tried"]
+
+
+def test_a_model_without_loads_has_the_scale_of_its_springs_and_its_start() -> None:
+    """5 rad/s on 2e-4 kg m² and 0.1 m; a spring of 1000 N/m that starts 10 mm long."""
+    record = vfife.simulate(geared_rotors(-1.0), duration=0.01).record
+    assert scales(record.assembly).force == 0.0
+    assert scales_of_run(record).force == pytest.approx(2e-4 * 25.0 / 0.1, rel=1e-3)
+    m = vfife.Mechanism("mass on a spring")
+    m.point("O", 0, 0)
+    m.rigid_body("block", mass=1, inertia=1e-3, position=(0.1, 0))
+    m.slider("rail", "ground.O", "block.center")
+    m.spring("s", "ground.O", "block.center", stiffness=1000, free_length=0.09)
+    record = vfife.simulate(m, duration=0.5).record
+    assert scales_of_run(record).force == pytest.approx(10.0, rel=1e-3)
+
+
+def test_a_rod_that_turns_evenly_has_a_certain_force() -> None:
+    """1 kg at 0.1 m and 3 rad/s press with 0.9 N; its angular acceleration vanishes with the step, and its
+    relative error, which does not, is none of the force.
+    """
+    m = vfife.Mechanism("rod")
+    m.point("O", 0.3, 0.1)
+    m.link("rod", length=0.2, mass=1, angle="20 deg", velocity=(0, 0, 3))
+    m.revolute("O", "ground.O", "rod.start")
+    result = vfife.simulate(m, duration=0.5)
+    force = result.measures["O.force.max"]
+    assert force.low < 0.9 < force.high and force.high - force.low < 1e-4
+    assert 0.0 < result.measures["rod.angular_acceleration.max"] < 27.0 * result.step
+    assert not result.summary["trust"]["tried"] and not result.summary["trust"]["sensitive"]

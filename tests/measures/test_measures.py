@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import vfife
 from support import (
     TURN,
     four_bar,
@@ -124,3 +125,15 @@ def test_contacts_that_began_are_told_whole() -> None:
         "ranges": {name: {"low": 40.0, "high": 52.0} for name in ("C.impacts", "C.force.max")},
     }
     assert (plain_number(told, "C.impacts"), plain_number(told, "C.force.max")) == ("45", "45")
+
+
+def test_the_force_of_a_driven_slider_is_that_of_its_guide() -> None:
+    """The driver of a slider has its name: 9.87 N along the guide, while the weight of 9.81 N rests on it."""
+    m = vfife.Mechanism("shaker", gravity=(0, -9.81))
+    m.point("O", 0, 0)
+    m.rigid_body("block", mass=1, inertia=1e-3, position=(0.1, 0))
+    m.slider("rail", "ground.O", "block.center")
+    m.harmonic(slider="rail", amplitude=0.01, frequency=5)
+    result = vfife.simulate(m, duration=0.4)
+    assert result.measures["rail.force.max"] == pytest.approx(9.81, rel=1e-9)
+    assert result.measures["rail.actuator_force.max"] == pytest.approx(0.01 * (10.0 * np.pi) ** 2, rel=1e-5)

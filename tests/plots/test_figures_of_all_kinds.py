@@ -20,6 +20,7 @@ from mechanisms import everything
 from vfife import gallery
 from vfife.model.drawing.strokes import tangent, zigzag
 from vfife.plots import figures
+from vfife.plots.motion import loose_guides
 from vfife.plots.symbols import outline_of
 from vfife.report.summary import show
 from vfife.results.export import write_netcdf
@@ -148,3 +149,17 @@ def test_a_tangent_touches_both_circles_and_a_zigzag_ends_at_its_pins():
     line = zigzag(np.zeros(2), np.array([2.0, 0.0]), 0.1)
     assert line[0] == pytest.approx([0.0, 0.0]) and line[-1] == pytest.approx([2.0, 0.0])
     assert np.abs(line[:, 1]).max() == pytest.approx(0.1) and line[:, 1].sum() == pytest.approx(0.1, abs=0.11)
+
+
+def test_a_driven_slider_without_clearance_has_no_figure_of_its_guide() -> None:
+    """Its block has two rows of reactions, as corners have: one of the guide and one of the driver."""
+    m = vfife.Mechanism("shaker")
+    m.point("O", 0, 0)
+    m.rigid_body("block", mass=1, inertia=1e-3, position=(0.1, 0))
+    m.slider("rail", "ground.O", "block.center")
+    m.harmonic(slider="rail", amplitude=0.01, frequency=5)
+    result = vfife.simulate(m, duration=0.2)
+    assert loose_guides(result) == []
+    with pytest.raises(vfife.VfifeError, match="no block has clearance in a guide"):
+        result.plot("guides")
+    result.plot()

@@ -4,6 +4,7 @@ one quiet line.
 
 import pytest
 
+import vfife
 from support import go, journal_in_bearing
 from vfife.laws import MATERIALS, Frictionless, LankaraniNikravesh, Material
 from vfife.laws.materials import HARDNESS, hardness_of
@@ -85,3 +86,46 @@ def test_hardness_is_a_materials_own_or_that_of_the_built_in_one() -> None:
     assert hardness_of(Material()) == HARDNESS["steel"][0] == pytest.approx(1.6e9, rel=1e-3)
     assert hardness_of(Material(hardness=3e9)) == 3e9 and hardness_of(Material("steel", 190e9)) is None
     assert hardness_of(MATERIALS["brass"]) is None
+
+
+def pendulums(gravity: float, angle: float, loose: bool) -> vfife.Mechanism:
+    m = vfife.Mechanism("double pendulum", gravity=(0, gravity))
+    m.point("O", 0, 0)
+    m.link("rod", length=0.3, mass=1, angle=f"{angle} deg")
+    m.link("bob", length=0.2, mass=0.5, angle=f"{min(angle + 30, 0) if loose else angle} deg")
+    if loose:
+        m.clearance_joint("O", "ground.O", "rod.start", clearance="0.15 mm", bearing_radius="10 mm")
+    else:
+        m.revolute("O", "ground.O", "rod.start")
+    m.revolute("E", "rod.end", "bob.start")
+    return m
+
+
+@pytest.mark.parametrize(
+    ("model", "cause"),
+    [
+        (pendulums(0.0, -84.5, True), "no gravity and no load"),
+        (pendulums(0.0, -30.0, False), "no gravity and no load"),
+        (pendulums(-9.81, -90.0, False), "in equilibrium"),
+    ],
+    ids=["loose", "ideal", "hanging"],
+)
+def test_a_model_at_rest_says_that_nothing_moves(model: vfife.Mechanism, cause: str) -> None:
+    """Energies, accelerations and forces without loads are rounding there: no other caution."""
+    result = vfife.simulate(model, duration=0.1)
+    assert result.status == "complete"
+    (only,) = result.summary["warnings"]
+    assert only.startswith("Nothing moves in this run") and cause in only
+    assert "Reliable" in str(result) and "Sensitive" not in str(result)
+    moving = vfife.simulate(pendulums(-9.81, -89.999, False), duration=0.1)
+    assert not any("Nothing moves" in text for text in moving.summary["warnings"])
+
+
+def test_a_driver_that_waits_is_named_where_nothing_moves() -> None:
+    m = vfife.Mechanism("late")
+    m.point("O", 0, 0)
+    m.rigid_body("block", mass=1, inertia=1e-3, position=(0.1, 0))
+    m.slider("rail", "ground.O", "block.center")
+    m.step_to(slider="rail", travel=0.01, duration=1, begin=5)
+    (only,) = vfife.simulate(m, duration=0.5).summary["warnings"]
+    assert "no driver moves anything" in only

@@ -418,3 +418,20 @@ def test_a_driver_that_the_loads_drive_is_called_that() -> None:
     summary = copy.deepcopy(run.summary)
     summary.setdefault("ranges", {})["crank.power.mean"] = {"low": -1e3, "high": 1.0}
     assert words not in text(summary, 300)
+
+
+@pytest.mark.parametrize("gravity", [0.0, -9.81])
+def test_a_run_without_joint_forces_has_an_answer(gravity: float) -> None:
+    """A mass on a spring and a free fall: no measure decides whether they are reliable."""
+    spring = Mechanism("mass on a spring", gravity=(gravity, 0))
+    spring.point("O", 0, 0)
+    spring.rigid_body("block", mass=1, inertia=1e-3, position=(0.1, 0))
+    spring.slider("rail", "ground.O", "block.center")
+    spring.spring("s", "ground.O", "block.center", stiffness=1000, damping=2, free_length=0.09)
+    fall = Mechanism("free fall", gravity=(0, gravity))
+    fall.point_mass("p", mass=1, position=(0, 1), velocity=(1, 0, 0))
+    for model in (spring, fall):
+        answer = vfife.simulate(model, duration=0.3)
+        assert answer.summary["trust"]["measure"] == ""
+        assert "Reliable numerically." in str(answer) and "Reliable numerically." in answer._repr_html_()
+        assert not answer.summary["warnings"]

@@ -31,7 +31,7 @@ from ..numerics import dense
 from ..numerics.elementwise import exp, hypot, sincos
 from ..solvers.record import Record, release
 from ..solvers.relaxation import extent
-from .motion import AXES, is_free, times, velocities
+from .motion import AXES, at_rest, is_free, times, velocities
 from .turns import Window, of_turn, of_window
 
 Array = NDArray[np.float64]
@@ -76,16 +76,25 @@ def too_open(record: Record, energies: Ledger | None = None) -> bool:
     """Return whether the residual exceeds the ``energy_limit`` of the settings, as a share of the largest
     energy.
 
-    A mechanism at rest has no energy to compare with: the largest energy must exceed REST times the work that
-    lifts the mechanism by its own size. ``energies`` is its ledger, if known.
+    ``energies`` is its ledger, if known.
     """
-    assembly = record.assembly
     if record.static or len(record.steps) < 2:
         return False
+    return open_share(record, energies) > record.assembly.mechanism.settings.energy_limit
+
+
+def open_share(record: Record, energies: Ledger | None = None) -> float:
+    """Return the largest residual over the largest energy (1); 0 where energies are those of rounding.
+
+    A mechanism at rest has no energy to compare with: the largest energy must exceed REST_SHARE times the
+    work that lifts the mechanism by its own size, and something must move. ``energies`` is its ledger, if
+    known.
+    """
+    assembly = record.assembly
     energies = ledger(record) if energies is None else energies
     mass = sum(body.mass for body in assembly.bodies.values())
     negligible = REST_SHARE * mass * hypot(*assembly.mechanism.gravity) * extent(assembly, assembly.state)
-    return energies.largest > negligible and energies.error > assembly.mechanism.settings.energy_limit
+    return 0.0 if energies.largest <= negligible or at_rest(record) else energies.error
 
 
 def drifting(assembly: Assembly, recorded: NDArray[np.uint32], steps: NDArray[np.int64], rows: Array) -> bool:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..solvers.companions import SENSITIVE, oldest_needed
 from ..solvers.record import Record
 from ..solvers.repeating import turn_grid
-from ..solvers.scales import NEGLIGIBLE, Scales, scales
+from ..solvers.scales import NEGLIGIBLE, Scales
 from ..solvers.status import Status
 from .catalogue import INFLUENCE, PEAKS, Groups, compared, lip, measures, over_run, over_turn, unit_of
 from .contacts import pressure_bounds
@@ -31,7 +31,7 @@ from .samples import Samples
 from .statics import EXACT
 from .turns import after_first, companion_turns_of, each_turn, last_turn, of_window, record_of_companion
 from .values import Measured, Measures
-from .zero_limits import zero_limits
+from .zero_limits import scales_of_run, zero_limits
 
 Array = NDArray[np.float64]
 Choice: TypeAlias = Groups | None  # some measures of a turn, or all
@@ -44,6 +44,9 @@ NOISE = 1e-9
 ROUNDING = 16.0 * 2.2e-16
 # The share of time of the first steps of contacts is their number times the step, and its limit is zero.
 FIRST_STEPS = ".share.impact"
+# Largest angular acceleration that vanishes with the step, with its error, over what the step leaves in a
+# body that turns evenly; a rod about its end has 0.25, and an error of 0.31.
+REMAINDER = 2.5
 GROUND = "ground."  # measures at outputs, whose own estimates hold where they are rounding
 # A force that is the same at seven steps, up to the share RESOLVED, does not scatter by chance. Where a
 # coarser step made it BLOW_UP times as large, that step was not stable.
@@ -345,7 +348,7 @@ def followed(
     """Return whether every largest value lies within its earlier range, widened by its own width and by the
     tolerance of its size.
     """
-    sizes_now = sizes(ranges, record.assembly.choice.step, scales(record.assembly))
+    sizes_now = sizes(ranges, record.assembly.choice.step, scales_of_run(record))
     tolerance = record.assembly.mechanism.settings.tolerance
     has_several_steps = len(set(step_ratios(record))) > 1
     for name, (low, high) in earlier.items():
@@ -361,7 +364,8 @@ def sizes(ranges: Mapping[str, Measured], step: float, scale: Scales | None = No
 
     A contact that never touches has no size, and neither have rounding errors: of moments and forces compared
     with the largest of both (N m, N), and of second differences of an angle with a ``step`` (s). Quantities
-    that are about zero on the ``scale`` of the mechanism have none either.
+    that are about zero on the ``scale`` of the mechanism have none either, and neither have angular
+    accelerations that vanish with the step.
     """
     result = {}
     loads = max((measured.high for name, measured in ranges.items() if name.endswith(LOADS)), default=0.0)
@@ -372,6 +376,8 @@ def sizes(ranges: Mapping[str, Measured], step: float, scale: Scales | None = No
         limit = noise.get(f".{kind}", 0.0)
         for name, entry in members:
             negligible = 0.0 if scale is None else NEGLIGIBLE * scale.of(name)
+            if scale is not None and kind == "angular_acceleration.max" and entry.low <= 0.0:
+                negligible = max(negligible, REMAINDER * scale.remainder)
             if entry.high > max(limit, negligible):
                 result[name] = max(entry.high, floor)
     return result
@@ -390,7 +396,7 @@ def spreads_after_parting(record: Record, hulls: Mapping[str, Measured]) -> dict
     (:func:`~vfife.measures.error_ranges.peaks_after_parting`) differ, over their size (1), where their range
     exceeds the largest value of all (``hulls``).
     """
-    size = sizes(hulls, record.assembly.choice.step, scales(record.assembly))
+    size = sizes(hulls, record.assembly.choice.step, scales_of_run(record))
     return {
         name: (later.high - later.low) / size[name]
         for name, later in peaks_after_parting(record).items()
@@ -421,7 +427,7 @@ def sensitive_tries(record: Record) -> Mapping[str, tuple[float, float]]:
     if companions is None or not companions.tries:
         return {}
     hulls = over_tries(record, groups=PEAKS)
-    worst = largest(spreads(hulls, record.assembly.choice.step, scales(record.assembly)))
+    worst = largest(spreads(hulls, record.assembly.choice.step, scales_of_run(record)))
     _, spread = worst if worst[1] > SENSITIVE else later_spread(record, hulls, worst)
     if spread <= SENSITIVE and not unstable_companions(record):
         return {}

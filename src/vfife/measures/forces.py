@@ -33,7 +33,9 @@ def joint_rows(record: Record) -> dict[str, tuple[str, list[int]]]:
     rows: dict[str, tuple[str, list[int]]] = {}
     for kind, block in (("contact_joints", "contact"), ("ideals", "joint"), ("pivots", "driven")):
         for index, name in enumerate(getattr(assembly, kind)):
-            rows.setdefault(name, (block, []))[1].append(index)
+            _, places = rows.setdefault(name, (block, []))
+            if block == "contact" or not places:  # what a driver of a slider exerts is no force of its guide
+                places.append(index)
     return {name: rows[name] for name in (*assembly.mechanism.joints, *rows) if name in rows}
 
 

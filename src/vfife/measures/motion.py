@@ -13,11 +13,15 @@ from ..kinematics.drives import guide_of
 from ..numerics.dense import times as weighted
 from ..numerics.elementwise import atan2, hypot, sincos
 from ..solvers.record import Record
+from ..solvers.relaxation import extent
 from .turns import Window, of_window
 
 Array = NDArray[np.float64]
 AXES = ("x", "u", "ax"), ("y", "v", "ay"), ("theta", "w", "aw")  # position, velocity, acceleration
 ROUNDING = 1e-6  # degrees by which the angle of a run may be off after many turns
+# Of the size of a mechanism, and rad: nothing moves that moves less. The start position closes to 1e-12 of
+# the size; hanging chains drift by 1e-15 to 1e-13 in 30 s.
+REST_DISTANCE = 1e-10
 
 
 def times(record: Record) -> Array:
@@ -61,6 +65,25 @@ def accelerations(record: Record) -> dict[str, Array]:
             np.where(free, rate_of_axis - rate * moving[first], rate_of_axis) if rate else rate_of_axis
         )
     return values
+
+
+def at_rest(record: Record) -> bool:
+    """Return whether nothing moves in a run: particles stay where they are at its first output, by
+    REST_DISTANCE of the size of the mechanism, or rad, and have no velocity that would take them farther
+    until the next output.
+    """
+    if record.static or len(record.steps) < 2:
+        return False
+    choice, size = record.assembly.choice, extent(record.assembly, record.assembly.state)
+    room = {"x": REST_DISTANCE * size, "y": REST_DISTANCE * size, "theta": REST_DISTANCE}
+    # Most runs end elsewhere, or with a velocity: their other outputs need not be read.
+    for outputs in ([0, -1], slice(None)):
+        for place, rate, _ in AXES:
+            places, rates = (record.block(f"particle_{name}")[outputs] for name in (place, rate))
+            farthest = np.abs(rates).max(initial=0.0) * choice.outputs_every * choice.step
+            if not max(np.abs(places - places[0]).max(initial=0.0), farthest) <= room[place]:
+                return False
+    return True
 
 
 def half_damping(record: Record) -> tuple[float, float]:

@@ -16,6 +16,7 @@ import numpy as np
 
 from ..numerics.elementwise import hypot
 from ..solvers.record import Record
+from .motion import at_rest
 
 UNIT = 2.0**-53  # half the distance from 1 to the next number
 # Largest noise of a run, in u x/(r h^2): 0.2 to 0.5 in the four-bar, the six-bar press and Jansen's leg with
@@ -41,9 +42,11 @@ class RoundingNoise(NamedTuple):
 
 def rounding_noise(record: Record, measures: Mapping[str, float]) -> RoundingNoise | None:
     """Return the noise that rounding adds to the ``measures`` of angular accelerations; None if it is
-    negligible, or no body turns on ideal joints.
+    negligible, no body turns on ideal joints, or nothing moves.
     """
     assembly = record.assembly
+    if at_rest(record):
+        return None
     topology, step = assembly.topology, assembly.choice.step
     largest = {name: measures.get(f"{name}.angular_acceleration.max", 0.0) for name in assembly.bodies}
     spin = float(np.abs(record.last("particle_w")).max(initial=0.0))

@@ -5,13 +5,13 @@ from __future__ import annotations
 from ..solvers.record import Estimate, Record
 from ..solvers.refinement import Refined
 from ..solvers.repeating import turn_grid
-from ..solvers.scales import scales
 from .catalogue import measures
 from .error_ranges import evaluated_turns, of_a_turn, over_turns, sizes, window
 from .extrapolation import SAFETY
 from .output_intervals import with_intervals
 from .turns import each_turn
 from .values import Measured
+from .zero_limits import scales_of_run
 
 # Ratio of a difference to the one before it, from one halving of the step to the next: of first and second
 # order, and the largest that is believed, which is an order of 0.4.
@@ -32,8 +32,8 @@ def estimate(record: Record, refined: Refined) -> Estimate:
     full, half, quarter = (values_of(part, record) for part in (record, refined.half, refined.quarter))
     names = [name for name in full if not name.endswith(PLACES) and name in half and name in quarter]
     errors = {name: error_of(full[name], half[name], quarter[name], refined.ratio) for name in names}
-    run_sizes = {name: Measured(value) for name, value in full.items()}
-    size = sizes(run_sizes, record.assembly.choice.step, scales(record.assembly))
+    run_sizes = {name: Measured(value, value - errors.get(name, 0.0), value) for name, value in full.items()}
+    size = sizes(run_sizes, record.assembly.choice.step, scales_of_run(record))
     floor = FLOOR * max((errors[name] / size[name] for name in errors if name in size), default=0.0)
     errors = {name: max(error, floor * size.get(name, abs(full[name]))) for name, error in errors.items()}
     return Estimate(refined.order, with_intervals(errors, record, window(record)), refined.converges)

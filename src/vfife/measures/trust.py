@@ -11,14 +11,14 @@ import numpy as np
 from ..assembly.assembled import CONTINUED
 from ..solvers.companions import SENSITIVE, Parting
 from ..solvers.record import Record
-from ..solvers.scales import scales
 from ..solvers.status import Status
 from .catalogue import PEAKS
-from .energy import is_unstable, ledger, own_floor, unstable_companions
+from .energy import is_unstable, open_share, own_floor, unstable_companions
 from .error_ranges import largest, later_spread, over_tries, ranged, spreads
 from .repetition import turns
 from .statics import spreads as static_spreads
 from .values import Measured
+from .zero_limits import scales_of_run
 
 # How often an automatic step is halved at the most: for companions that diverge, and for a smooth run with
 # large errors.
@@ -75,7 +75,7 @@ def trust(record: Record, measures: dict[str, Measured] | None = None) -> Trust 
         widths = static_spreads(record, measures)
     else:
         hulls = measures if companions is None else over_tries(record, groups=PEAKS)
-        widths = spreads(hulls, record.assembly.choice.step, scales(record.assembly))
+        widths = spreads(hulls, record.assembly.choice.step, scales_of_run(record))
     name, spread = largest(widths)
     if not record.static and spread <= SENSITIVE:  # perhaps because they part after their largest values
         name, spread = later_spread(record, hulls, (name, spread))
@@ -135,7 +135,7 @@ def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
     if diverged:
         return None
     may_close = len(choice.tried) < open_halvings and not own_floor(record)
-    is_open = (accompanied or record.status == Status.ENERGY) and may_close and ledger(record).error > OPEN
+    is_open = (accompanied or record.status == Status.ENERGY) and may_close and open_share(record) > OPEN
     if is_open or (too_deep(record) and len(choice.tried) < DEEP_HALVINGS[judgement is not None]):
         return (*choice.tried, (choice.step, None))
     return None

@@ -269,8 +269,7 @@ def square(ax: Axes, half: float) -> None:
 
 def loose_guides(result: RunData) -> list[str]:
     """Return the sliders whose block has clearance in its guide."""
-    rows = joint_rows(result.record)
-    return [name for name in sliders(result.record) if name in rows and len(rows[name][1]) > 1]
+    return [name for name in sliders(result.record) if name in result.record.assembly.mechanism.contacts]
 
 
 def tilt_and_offset(result: RunData, name: str) -> tuple[Array, Array]:

@@ -10,8 +10,9 @@ import numpy as np
 from ..assembly.timestep import MANY_OUTPUTS
 from ..laws.materials import hardness_of
 from ..measures.contacts import CONFORMAL, line_pressure
-from ..measures.energy import own_floor
+from ..measures.energy import open_share, own_floor
 from ..measures.landings import Fall, lasting_landings, start_fall
+from ..measures.motion import at_rest
 from ..measures.normal_forces import largest_normal_forces
 from ..measures.rounding import rounding_noise
 from ..measures.statics import SNAP, first_leap
@@ -84,6 +85,7 @@ def transient_cautions(result: RunData, verdict: str, of_laws: Iterable[str]) ->
         sentence = STATUS.get(record.status, f"The run is {record.status}.")
         soft = soft_contact(record)
         yield f"{soft[0].upper()}{soft[1:]}" if soft else sentence.format(time=float(result.time[-1]))
+    yield from rest_cautions(record)
     if choice.step > choice.stable:
         yield (
             f"The step of {choice.step:.4g} s is larger than the stable one, {choice.stable:.4g} s"
@@ -111,10 +113,28 @@ def transient_cautions(result: RunData, verdict: str, of_laws: Iterable[str]) ->
     yield from of_laws
     yield from open_contact_cautions(record)
     yield from out_of_range(result)
-    if result.ledger.error > OPEN:
+    if (share := open_share(record, result.ledger)) > OPEN:
         remedy = FLOOR if own_floor(record) else "take a smaller step and see whether it closes"
-        opening = f"{100.0 * result.ledger.error:.2g} %"
-        yield f"The energy ledger is open by {opening} of the largest energy: {remedy}."
+        yield f"The energy ledger is open by {100.0 * share:.2g} % of the largest energy: {remedy}."
+
+
+def rest_cautions(record: Record) -> Iterator[str]:
+    """Yield a sentence on a run in which nothing moves, with what may be missing."""
+    if not at_rest(record):
+        return
+    mechanism = record.assembly.mechanism
+    if mechanism.drivers:
+        cause, remedy = (
+            "no driver moves anything in its time",
+            "look at the drivers and the length of the run",
+        )
+    elif any(mechanism.gravity) or mechanism.loads:
+        cause = "the mechanism starts in equilibrium, and stays there"
+        remedy = "give it another start position, a velocity, a load or a driver"
+    else:
+        cause = "the model has no gravity and no load"
+        remedy = 'give it gravity = [0, "-9.81 m/s^2"], a load, a driver or a velocity'
+    yield f"Nothing moves in this run: {cause}. If something should move, {remedy}."
 
 
 def static_cautions(result: RunData) -> Iterator[str]:
@@ -150,12 +170,16 @@ def rounding_cautions(result: RunData) -> Iterator[str]:
     if noise is None:
         return
     choice = result.record.assembly.choice
-    remedy = "" if choice.automatic else ', or "auto"'
-    yield (
+    share = f"{100.0 * noise.share:.2g} %" if noise.share < 0.995 else "all"
+    text = (
         f"The step of {choice.step:.3g} s is so small that rounding of positions shows in accelerations: up"
-        f" to {100.0 * min(noise.share, 1.0):.2g} % of the largest angular acceleration of {noise.body} may"
-        f" be noise. Take {noise.step:.2g} s or more{remedy}."
+        f" to {share} of the largest angular acceleration of {noise.body} may be noise."
     )
+    if noise.step <= min(choice.stable, choice.steps * choice.step):
+        remedy = "" if choice.automatic else ', or "auto"'
+        yield f"{text} Take {noise.step:.2g} s or more{remedy}."
+    else:
+        yield f"{text} No step that is stable shows it better: quote no angular acceleration of {noise.body}."
 
 
 def whirl_cautions(record: Record) -> Iterator[str]:
@@ -243,7 +267,7 @@ def law_cautions(result: RunData) -> LawCautions:
 
 def open_contact_cautions(record: Record) -> Iterator[str]:
     """Yield a sentence on the joints whose surfaces have no force between them in the whole run."""
-    if not record.assembly.contacts or record.status != Status.COMPLETE:
+    if not record.assembly.contacts or record.status != Status.COMPLETE or at_rest(record):
         return
     if not record.keeps("contact_force_squared_max"):
         return

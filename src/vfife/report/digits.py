@@ -224,6 +224,8 @@ def shaking_text(summary: Json) -> str:
     estimate with the peaks of the joints, or it is that of the only joint on the ground.
     """
     name, ground = "ground.shaking_force.max", summary.get("ground", {})
+    if is_about_zero(summary, name):
+        return ABOUT_ZERO
     if not ground or is_estimated(summary, name):
         return f"up to {largest_of_turns(summary, name, 'N')}"
     if joint := ground["joint"]:

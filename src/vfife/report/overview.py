@@ -299,9 +299,9 @@ def _certainty(summary: Json) -> str:
     shown = [_interval(summary, name) for name in inexact[:MOST_EXCEPTIONS]]
     unlisted = [f"{len(inexact) - MOST_EXCEPTIONS} more (--long)"] * (len(inexact) > MOST_EXCEPTIONS)
     measure = trust["measure"]
-    exception = [_interval(summary, measure)] * bool(
-        trust["sensitive"] and measure and measure not in sizes and not measure.endswith(DECISIVE)
-    )
+    # Of a run without forces no measure decides: its name is empty, and it has no range.
+    excepted = trust["sensitive"] and measure and measure not in sizes and not measure.endswith(DECISIVE)
+    exception = [_interval(summary, measure)] if excepted else []
     if not inexact:
         head = f"{RELIABLE}: {sure}" if sure else RELIABLE
         return f"{head}.{' Less certain: ' + exception[0] + '.' if exception else ''}{unstable_tries(trust)}"

@@ -34,7 +34,8 @@ SPEEDS = ("approach_speed.max", "sliding_velocity.max")
 @dataclass(frozen=True)
 class Scales:
     """Scales of a mechanism: ``force`` (N), ``length`` (m), ``speed`` (m/s), and ``accelerations`` of its
-    bodies by name (rad/s^2): forces are those of loads, weights and m r w^2.
+    bodies by name (rad/s^2): forces are those of loads, weights and m r w^2. ``remainder`` (rad/s^2) is the
+    angular acceleration w^3 h that a step h leaves in a body that turns evenly.
 
     A scale is 0 where nothing gives one: a mechanism at rest without load.
     """
@@ -43,6 +44,7 @@ class Scales:
     length: float
     speed: float
     accelerations: dict[str, float]
+    remainder: float = 0.0
 
     @property
     def moment(self) -> float:
@@ -68,9 +70,9 @@ class Scales:
         return kinds.get(quantity, 0.0)
 
 
-def scales(assembly: Assembly) -> Scales:
+def scales(assembly: Assembly, substitute: float = 0.0) -> Scales:
     """Return the scales of a mechanism from its model: loads, weights, masses, sizes and speeds at the start
-    or of its drivers.
+    or of its drivers. ``substitute`` (N) is the force where none of these gives one.
     """
     state, layout = assembly.state, assembly.layout
     drivers = assembly.mechanism.drivers.values()
@@ -86,13 +88,15 @@ def scales(assembly: Assembly) -> Scales:
     force = max(
         _largest(hypot(x, y)), _largest_load(assembly, size), weight, mass * max(circling, default=0.0)
     )
+    force = force if force > 0.0 else substitute
     start = _largest(hypot(*(state[layout[f"particle_{axis}"]] for axis in "uv")))
     fall = math.sqrt(force / mass * size) if mass > 0.0 else 0.0
     accelerations = {
         body.name: max(spin * spin, force * _arm(body) / body.inertia if body.inertia > 0.0 else 0.0)
         for body in bodies
     }
-    return Scales(force, size, max(spin * size, start, fall), accelerations)
+    remainder = spin * spin * spin * assembly.choice.step
+    return Scales(force, size, max(spin * size, start, fall), accelerations, remainder)
 
 
 def least_compared_acceleration(choice: StepChoice) -> float:

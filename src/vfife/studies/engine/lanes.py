@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...assembly.assembled import Assembly, limited_rows
 from ...kinematics.batch import Structures
 from ...measures.catalogue import RequestedMeasures, peaks_by_output
-from ...measures.energy import ledger
+from ...measures.energy import open_share
 from ...measures.trust import DEEP_HALVINGS
 from ...model.mechanism import Mechanism
 from ...solvers.arguments import Loop
@@ -160,7 +160,7 @@ class Stepped(Lane):
             self.plan.recorded,
             columns=self.plan.ends,
         )
-        self.doubtful = ledger(ends).error > DOUBTFUL * assembly.mechanism.settings.energy_limit
+        self.doubtful = open_share(ends) > DOUBTFUL * assembly.mechanism.settings.energy_limit
         settling, count = self.settling, len(self.last)
         first = self.turns - (count if settling is None else settling.turns_of_means(count))
         records = []
