@@ -239,3 +239,37 @@ def test_a_law_that_jumps_is_found_by_its_value():
             if max(abs(elastic), abs(damping)) > 1e-100:
                 jumping.add(name)
     assert jumping == {"kelvin-voigt", "anagnostopoulos"}
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "turns", "kind"),
+    [
+        (1.4, 150, "not decided"),
+        (1.4, 300, "not decided"),
+        (1.07, 300, "not decided"),
+        (0.93, 300, "chaotic"),
+        (1.345, 300, "chaotic"),
+    ],
+)
+def test_long_periods_at_the_end_of_a_cascade_are_not_called_chaotic(amplitude, turns, kind):
+    """An integration that locates the stop finds period 32 at 1.4 N m and period 48 at 1.07 N m (exponents
+    -0.005 and -0.038), and chaos at the others (docs: Periodic or chaotic).
+    """
+    m = vfife.Mechanism("forced pendulum", gravity=(0, -9.81))
+    rod = m.link("rod", length=0.3, mass=0.5, angle="-90 deg")
+    m.revolute("hinge", m.point("P", 0, 0), rod.start)
+    m.torsional_spring("air", "ground", "rod", damping="0.01 N m s/rad")
+    m.stop(
+        "wall", "ground", "rod",
+        low="-150 deg", high="-70 deg", stiffness="400 N m/rad", damping="0.5 N m s/rad",
+    )  # fmt: skip
+    rotor = m.rigid_body("rotor", mass=0.1, inertia=1e-4, position=(0.5, 0))
+    m.revolute("shaft", m.point("Q", 0.5, 0), rotor.pin())
+    m.drive(rotor, speed=6.0)
+    m.moment(
+        "force", "rod.end",
+        moment=amplitude, expression="cos(angle)", crank="rotor", angles=[0, "360 deg"],
+    )  # fmt: skip
+    found = poincare_section(m, turns=turns)
+    assert found.verdict.kind == kind, str(found.verdict)
+    assert f"forced pendulum: {kind}" in " ".join(str(found).split())

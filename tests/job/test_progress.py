@@ -135,6 +135,19 @@ def test_the_first_item_counts_from_the_start_of_the_work(monkeypatch):
     assert Counter("values", 100.0)(3, 5).text == "3 of 5 values  0.1 values/s  20 s left"
 
 
+def test_the_preparation_of_many_items_is_not_counted_in_their_rate(monkeypatch):
+    """Eight lanes that take 2 s after 8 s of preparation: 4 items/s, not one; at the end the mean of all."""
+    now, count, texts = [0.0], Counter("starts", 0.0), []
+    monkeypatch.setattr("vfife.job.progress.time.monotonic", lambda: now[0])
+    for batch in range(5):
+        for item in range(8):
+            now[0] = 10.0 + 2.0 * batch + 0.01 * item
+            texts.append(count(8 * batch + item + 1, 40).text)
+    assert texts[7] == "8 of 40 starts  0.794 starts/s  40 s left", "no later item shows the preparation"
+    assert texts[23] == "24 of 40 starts  4 starts/s  4 s left"
+    assert texts[39] == "40 of 40 starts  2.21 starts/s  in 18 s"
+
+
 def test_a_script_is_told_that_ctrl_c_ended_its_work(capsys: pytest.CaptureFixture[str]) -> None:
     """It goes on with what was computed until then."""
 

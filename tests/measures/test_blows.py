@@ -13,11 +13,13 @@ import pytest
 import vfife
 from vfife import gallery
 from vfife.measures.blows import blows, impact_rows
+from vfife.report.amounts import interval
 from vfife.report.front import conclusion
 from vfife.report.overview import overview
 from vfife.report.run_tables import blow_texts
 from vfife.report.summary import run_summary
 from vfife.report.terminal import as_text
+from vfife.report.trust import over_several_turns
 from vfife.results.run_data import RunData
 from vfife.simulation.result import Result
 
@@ -95,7 +97,12 @@ def test_the_answer_names_a_blow_that_makes_the_largest_force_of_a_joint_without
     lines = as_text(overview(summary), 200).splitlines()
     blow = next(line for line in lines if line.startswith("Blow"))
     assert any(line.startswith("Noise") and "no knocks" in line for line in lines)
-    assert "C 1" in blow and "N above the ideal joint at" in blow
+    assert "C up to 1" in blow and "above the ideal joint at" in blow
+    lowest, excess = (summary["blows"]["C"][key] for key in ("lowest", "excess"))
+    text = f"(single turns {interval(lowest, excess, 'N', 0.1 * excess)})"
+    assert (text in blow) == over_several_turns(summary["turns"]), "no range with the words not estimated"
+    summary["turns"] |= {"motion": "not periodic", "count": 40, "first": 21, "last": 40}
+    assert text in blow_texts(summary)["C"] and "C up to 1" in blow_texts(summary)["C"]
     assert "A blow in closed contact: C" in " ".join(conclusion(summary))
     summary["blows"]["C"]["excess"] = 0.1 * summary["measures"]["C.force.max"]
     assert "Blow" not in as_text(overview(summary), 200)

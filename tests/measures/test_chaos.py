@@ -1,11 +1,13 @@
 """Periods, exponents and the 0-1 test against maps whose answers are known."""
 
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 
-from vfife.measures.chaos import exponent, period, signed_range, verdict, zero_one
+from vfife.measures.chaos import exponent, period, signed_range, verdict
+from vfife.measures.trend import winding, zero_one
 
 
 def logistic(r: float, count: int, dropped: int = 2000) -> tuple[np.ndarray, np.ndarray]:
@@ -144,3 +146,86 @@ def test_a_longer_period_of_a_small_difference_is_not_told_from_the_step(
     said = verdict(points, exponent(np.full(200, growth)), ranges=lambda: np.array([1.0]))
     assert said.kind == kind
     assert ("repeat after 2" in said.evidence) == (kind == "period 1")
+
+
+def test_a_longer_period_whose_points_are_further_apart_than_the_step_sets_them_is_not_decided() -> None:
+    """0.7 % of the range after one turn, exactly alike after two, or after four within a small scatter."""
+    turns = np.arange(200)
+    for points, said in (
+        (3.0 + 0.007 * np.where(turns % 2, 0.5, -0.5), "those 2 turns apart much closer"),
+        (
+            3.0 + np.resize([0.0, 0.002, 0.007, 0.003], 200) + 1e-4 * np.sin(17.0 * turns**2),
+            "those 4 turns apart much closer",
+        ),
+    ):
+        found = verdict(points, exponent(np.full(200, -0.2)), ranges=lambda: np.array([1.0]))
+        assert found.kind == "not decided" and found.period is None and said in found.evidence
+    noise = np.random.default_rng(1).uniform(-0.0035, 0.0035, 200)
+    found = verdict(3.0 + noise, exponent(np.full(200, -0.2)), ranges=lambda: np.array([1.0]))
+    assert found.kind == "period 1", "scatter that no multiple of the period explains is that of the step"
+
+
+def test_one_point_that_is_further_off_makes_no_longer_period() -> None:
+    """Scatter with one outlier in the first half: points a turn apart were taken for those that settle."""
+    noise = np.random.default_rng(4).uniform(-1e-4, 1e-4, 30)
+    noise[12:14] += 3e-4, -3e-4
+    found = verdict(3.0 + noise, exponent(np.full(30, -0.5)), ranges=lambda: np.array([1.0]))
+    assert found.kind == "period 1"
+
+
+@pytest.mark.parametrize(
+    ("r", "kind"),
+    [(3.2, "period 2"), (3.5, "period 4"), (3.55, "period 8"), (3.566, "period 16"), (3.569, "period 32")],
+)
+def test_the_cascade_of_the_logistic_map_is_periodic(r: float, kind: str) -> None:
+    points, logs = logistic(r, 200, dropped=20_000)
+    assert verdict(points, exponent(logs)).kind == kind == verdict(points).kind
+
+
+@pytest.mark.parametrize("count", [100, 200])
+def test_a_period_too_long_to_be_seen_is_neither_chaotic_nor_quasi_periodic(count: int) -> None:
+    """Period 64 (r = 3.5697) in up to 200 turns, with any evidence on the exponent that does not exclude 0.
+    Scatter of the step lets its exponent appear a little above zero.
+    """
+    points, logs = logistic(3.5697, count, dropped=20_000)
+    points = points + 1e-3 * np.random.default_rng(1).normal(size=count)
+    above = exponent(np.full(count, 0.03) + 0.5 * np.sin(np.arange(count) * 0.4))
+    ranged = dataclasses.replace(above, low=-0.06, high=0.12)
+    for growth in (None, exponent(logs), exponent(np.zeros(count)), above, ranged):
+        found = verdict(points, growth)
+        assert found.kind in ("not decided", "not settled"), (growth, found)
+    assert "a period of more than" in verdict(points, ranged).evidence
+
+
+@pytest.mark.parametrize("r", [3.59, 3.6, 3.7, 4.0])
+def test_chaos_in_bands_is_chaos(r: float) -> None:
+    """Two and four bands in 200 turns look regular to the 0-1 test, but not every fourth point."""
+    points, logs = logistic(r, 200)
+    found = verdict(points, exponent(logs))
+    assert found.kind == "chaotic" and found.zero_one > 0.3
+    assert ("of every" in found.evidence) == (r < 3.6)
+
+
+def test_a_range_of_the_exponent_over_zero_is_no_evidence_of_chaos() -> None:
+    points, logs = logistic(3.9, 200)
+    growth = exponent(logs)
+    assert verdict(points, dataclasses.replace(growth, low=0.2, high=0.8)).kind == "chaotic"
+    found = verdict(points, dataclasses.replace(growth, low=-0.01, high=1.2))
+    assert found.kind == "not decided" and "the exponent may be zero by its range" in found.evidence
+    assert "chaotic" not in str(verdict(points, exponent(np.zeros(200)))), "an exponent of zero"
+
+
+def test_points_that_follow_a_folded_curve_are_quasi_periodic() -> None:
+    """Two incommensurate frequencies, on a curve that crosses itself and does not go round its mean; a
+    random order of the same points follows no curve.
+    """
+    phase = math.tau * 0.5 * (math.sqrt(5.0) - 1.0) * np.arange(200)
+    points = np.column_stack(
+        [np.cos(phase) + 0.6 * np.cos(2.0 * phase + 1.0), np.sin(2.0 * phase) + 0.4 * np.cos(3.0 * phase)]
+    )
+    found = verdict(points, exponent(np.zeros(200)))
+    assert not found.rotation.closed and found.kind == "quasi-periodic"
+    assert "one closed curve, gone round 0.3819 times a turn" in found.evidence
+    assert math.isnan(winding(np.random.default_rng(1).permutation(points)))
+    for r in (3.5, 3.55, 3.5697):
+        assert math.isnan(winding(logistic(r, 200)[0][:, None])), "a long period is no curve"

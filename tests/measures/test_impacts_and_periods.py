@@ -13,19 +13,11 @@ import pytest
 from made_records import STEP, made_record
 from support import four_bar, journal_in_bearing
 from vfife.laws import Coulomb, LuGre, Pair
-from vfife.measures.chaos import (
-    EQUAL,
-    Verdict,
-    exponent,
-    period,
-    recurrence_distance,
-    rotation,
-    verdict,
-    zero_one,
-)
+from vfife.measures.chaos import EQUAL, Verdict, exponent, period, recurrence_distance, rotation, verdict
 from vfife.measures.contacts import impacts, largest_pressures, line_pressure, mean_pressure
 from vfife.measures.forces import normals
 from vfife.measures.impact import initial_memory, presliding
+from vfife.measures.trend import zero_one
 from vfife.model.mechanism import Mechanism
 from vfife.model.wear import Wear
 
@@ -97,13 +89,15 @@ def test_points_at_rest_are_alike_within_a_hundred_thousandth_of_their_size() ->
 
 @pytest.mark.parametrize(
     ("value", "kind"),
-    [(0.29, "quasi-periodic"), (0.31, "not settled"), (0.69, "not settled"), (0.71, "chaotic")],
+    [(0.29, "not decided"), (0.31, "not settled"), (0.69, "not settled"), (0.71, "chaotic")],
 )
 def test_the_0_1_test_decides_where_nothing_else_does(
     value: float, kind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Below 0.3 a motion is regular and above 0.7 it is chaotic, of a hundred points and more."""
-    monkeypatch.setattr("vfife.measures.chaos.zero_one", lambda _: value)
+    """Below 0.3 a motion is regular, but these points follow no curve; above 0.7 it is chaotic, of a hundred
+    points and more.
+    """
+    monkeypatch.setattr("vfife.measures.trend.zero_one", lambda _: value)
     noise = np.random.default_rng(1).uniform(size=120)
     assert verdict(noise).kind == kind and verdict(noise[:100]).zero_one == value
     assert verdict(noise[:99]).zero_one is None and verdict(noise[:99]).kind == "not settled"

@@ -281,7 +281,7 @@ def test_the_conclusion_is_made_of_the_numbers() -> None:
     assert re.findall(r"[;,] ([BCD]) \d", knocks) == milder
     quiet = copy.deepcopy(summary)
     quiet["knocks"] = {name: {"count": 0, "speed": 0.0, "hardest": False} for name in "BCD"}
-    assert conclusion(quiet)[2].startswith("No joint knocks in these turns; at the start, B ")
+    assert conclusion(quiet)[2].startswith("No joint knocks in these turns; in the whole run, B ")
     doubled = copy.deepcopy(summary)
     doubled["lip"]["B.force"] = 900.0
     assert ", B (" in conclusion(doubled)[1]

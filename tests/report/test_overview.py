@@ -195,7 +195,7 @@ def test_a_harder_knock_of_the_start_stands_beside_that_of_the_turns() -> None:
     assert line in said, said
     (noise,) = (table for table in tables(summary) if "hardest there" in table.headings)
     rows = {row[0]: row for row in noise.rows}
-    assert rows["C"][4] == "40 mm/s (not estimated)" and rows["D"][2] == rows["D"][4]
+    assert rows["C"][4] == "40.0 mm/s (not estimated)" and rows["D"][2] == rows["D"][4]
     assert rows["D"][4] in said, "the report has the number of the short answer"
 
 

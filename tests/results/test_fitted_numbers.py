@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from vfife.results.fit import Fit, FitCurve, FitValue
+from vfife.results.fit import Fit, FitCurve, FitValue, values_of
 
 ONE = FitValue("k", ("spring.k.stiffness",), "N/m", 300.0, 5.0, 290.0, 320.0, (200.0, 600.0))
 
@@ -78,6 +78,14 @@ def test_what_is_not_known_is_no_number() -> None:
     frame = fit_of(ONE, replace(two, known=False)).to_dataframe()
     assert list(frame.loc["k", ["standard_error", "low", "high"]]) == [5.0, 290.0, 320.0]
     assert frame.loc["c", ["standard_error", "low", "high"]].isna().all() and frame.loc["c", "value"] == 300.0
+    unknown = replace(two, known=False)
+    assert all(map(math.isnan, (unknown.error, unknown.low, unknown.high))) and unknown.ends == (100.0, 500.0)
+    assert math.isnan(unknown.json()["low"]) and unknown.width == two.width
+    assert "confidence not known" in unknown.words(0.95) and "290" in ONE.words(0.95)
+    again = values_of([vars(unknown)])[0]
+    assert again.ends == (100.0, 500.0) and math.isnan(again.low), "a file has the ends"
+    former = {name: value for name, value in vars(two).items() if name != "ends"} | {"known": False}
+    assert values_of([former])[0].ends == (100.0, 500.0), "a former file has limits"
 
 
 def test_remarks_say_how_it_was_found() -> None:

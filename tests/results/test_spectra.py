@@ -175,3 +175,11 @@ def test_what_cannot_be_is_told(run, call, said):
 def test_windows_are_of_finite_turns(run, turns):
     with pytest.raises(vfife.VfifeError, match="give a finite number above 0"):
         run.spectrum("C.force", turns=turns)
+
+
+def test_a_printed_spectrum_names_its_strongest_waves(run):
+    """As the command does, which prints the same document."""
+    for found in (run.spectrum("C.force"), run.spectrogram("C.force"), run.envelope("C.force")):
+        shown = " ".join(str(found).split())
+        assert "the strongest waves" in shown and found.words[1:] in shown and "amplitude" in shown
+        assert "<table" in found._repr_html_() and repr(found).startswith(type(found).__name__)

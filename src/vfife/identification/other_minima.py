@@ -93,6 +93,6 @@ def dispute_words(
         yield (
             f"searches ended at different values of {', '.join(dict.fromkeys(names))}: {near} of"
             f" {len(search.ends)} leave at most {NEAR_RESIDUAL:g} times the least residual, so confidence is"
-            " not known, and limits enclose all values that fit nearly as well; measure a curve"
+            " not known; in Python their ends enclose all values that fit nearly as well; measure a curve"
             " that depends more on them"
         )

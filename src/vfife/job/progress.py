@@ -187,6 +187,11 @@ def plain_text(text: str) -> Any:
     return type("Text", (), {"__repr__": lambda self: text})()
 
 
+# Share of the time up to the first item within which others belong to the same lanes, and from which on the
+# rate is that of later items.
+BURST, LATER = 0.05, 0.25
+
+
 class Counter:
     """Progress of work that ``began`` at a monotonic time (s), on many equal items: number done, rate and
     remaining time. ``limit``: the largest number of items of a search whose forecast covers it; 0 for other
@@ -196,6 +201,7 @@ class Counter:
     def __init__(self, noun: str, began: float, limit: int = 0) -> None:
         self.noun, self.began, self.limit, self.failed = noun, began, limit, 0
         self.first: int | None = None
+        self.burst: tuple[float, float, int] | None = None  # first time (s), last time (s) and last number
         self.forecast: int | None = None  # the total when the work began
 
     def __call__(self, done: int, total: int, failed: bool = False) -> Progress:
@@ -204,7 +210,7 @@ class Counter:
         self.forecast = total if self.forecast is None else self.forecast
         self.failed += failed
         seconds = max(time.monotonic() - self.began, 1e-9)
-        rate = (done - self.first) / seconds
+        rate = self._rate(done, self.first, seconds) if done < total else (done - self.first) / seconds
         left = f"{span((total - done) / rate)} left" if done < total and rate else f"in {span(seconds)}"
         bad = f"  {self.failed:,} failed" if self.failed else ""
         if self.limit and self.forecast < total <= self.limit:
@@ -213,6 +219,19 @@ class Counter:
             left = f"more than the {max(self.forecast, self.limit):,} of the forecast"
         text = f"{done:,} of {total:,} {self.noun}  {rate:.3g} {self.noun}/s  {left}{bad}"
         return Progress(done, total, seconds, text, surplus)
+
+    def _rate(self, done: int, first: int, seconds: float) -> float:
+        """Return the number of items a second: since the first ones, which are complete together in lanes,
+        because before them the work was prepared; of all, as long as that is a short time.
+        """
+        if self.burst is None:
+            self.burst = seconds, seconds, done
+        begin, end, count = self.burst
+        if seconds <= (1.0 + BURST) * begin:
+            self.burst = begin, seconds, done
+        elif done > count and seconds >= (1.0 + LATER) * end:
+            return (done - count) / (seconds - end)
+        return (done - first) / seconds
 
 
 def sentence(progress: Progress, share: float | None = None) -> str:

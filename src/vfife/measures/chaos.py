@@ -1,10 +1,11 @@
 """Classification of a motion by its points once a turn: period, Lyapunov exponent, 0-1 test, closed curve.
 
 No single test decides. Points that repeat show a period, unless a small difference grows: then they repeat
-only within the tolerance and for as long as there are points. A positive exponent shows chaos, but it
-converges as ln(n)/n, so near zero it does not distinguish a quasi-periodic motion. The 0-1 test needs no
-exponent, but a hundred points. Fewer points are quasi-periodic if they lie in order on one closed curve. A
-motion that no test decides is called not settled.
+only within the tolerance and for as long as there are points. A motion of a period longer than a third of the
+points looks like a quasi-periodic or a chaotic one. Chaos therefore needs an exponent whose range is above
+zero, and a 0-1 test, of a hundred points, that does not contradict it; a quasi-periodic motion needs an
+exponent of about zero and points in order on one closed curve. A motion whose evidence disagrees is not
+decided, and one that no test decides is called not settled.
 
 All functions take points of any map or section; the tests use maps with known answers.
 """
@@ -19,18 +20,28 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ..numerics.elementwise import atan2, hypot, sincos
 from ..numerics.outward import DOWN, UP, significant
-from .trend import TREND, Points, alternation
+from .trend import (
+    IRREGULAR,
+    REGULAR,
+    TREND,
+    Points,
+    Rotation,
+    alternation,
+    largest_difference,
+    rotation,
+    rows_of,
+    winding,
+    zero_one_of_bands,
+)
 
 Array = NDArray[np.float64]
 
 # Points are equal if they differ by less than this share of their size, however small the range of all points
 # is.
 EQUAL = 1e-5
-LONGEST = 16  # longest period that is searched, in points
+LONGEST = 16  # longest period of points that scatter, in points
 TIMES = 3  # that a period must be seen
-ANGLES = 100  # angles of the 0-1 test
 STEP_UNKNOWN = "uncertainty due to the step: not estimated"
 # Widths by which the range of an exponent exceeds its values: of two step sizes, and of four means over turns
 # (:mod:`~vfife.measures.error_ranges`).
@@ -43,7 +54,6 @@ NO_EXPONENT = (
 # versions contain it.
 VANISHED = -690.0
 NO_BOUND = "exponent below any number, because the small difference vanished in some turn"
-SHARE = 10  # the 0-1 test uses displacements over up to a tenth of the series
 
 
 def _percent(share: float) -> str:
@@ -108,6 +118,13 @@ class Exponent:
         return self.halves[0] > self.margin
 
     @property
+    def positive(self) -> bool:
+        """Whether the exponent is above zero: it grows, and so does all of its range. Without a range due to
+        the step, the error due to the number of turns is less than the exponent.
+        """
+        return self.grows and (self.low > 0.0 if self.estimated else self.value > self.turn_error)
+
+    @property
     def decays(self) -> bool:
         """Whether the small difference decays in both halves of the turns."""
         return self.halves[1] < -self.margin
@@ -117,9 +134,9 @@ class Exponent:
         """Error (1/turn) due to the number of turns: the range of the sum of the logarithms about its mean
         slope, over the number of turns.
 
-        A small difference that rotates is longer in some directions than in others (complex multipliers of a
-        periodic motion; the norm is arbitrary), so that its length swings about the exponential. The mean
-        over n turns contains the difference of two points of that swing over n, whatever the step is.
+        A small difference that rotates is longer in some directions than in others (complex multipliers; the
+        norm is arbitrary), so that its length swings about the exponential. The mean over n turns contains
+        the difference of two points of that swing over n, whatever the step is.
         """
         count = np.arange(1, len(self.running) + 1)
         swing = np.append(0.0, count * (self.running - self.value))
@@ -128,9 +145,8 @@ class Exponent:
     def with_finer(self, finer: Exponent) -> Exponent:
         """Return the exponent with a range that includes that of a motion with half the step.
 
-        The range holds both values, widened by twice their distance, as those of two step sizes are
-        elsewhere, and by the error due to the number of turns; and the four means of halves, widened by their
-        own width, as those of four means over turns are.
+        The range holds both values, widened by twice their distance and by the error due to the number of
+        turns; and the four means of halves, widened by their own width.
         """
         values, halves = (self.value, finer.value), (*self.halves, *finer.halves)
         scatter = max(halves) - min(halves)
@@ -152,14 +168,9 @@ def exponent(growth: Sequence[float] | Array) -> Exponent:
     return Exponent(float(running[-1]), math.nan, math.nan, running, (min(means), max(means)))
 
 
-def rows_of(points: Array) -> Array:
-    """Return the points as numbers, shape (points, coordinates)."""
-    points = np.asarray(points, dtype=float)
-    return points.reshape(len(points), math.prod(points.shape[1:]))
-
-
-def period(points: Array, tolerance: float = 1e-3, longest: int = LONGEST) -> int | None:
-    """Return the smallest number of points after which they repeat, None if they do not within ``longest``.
+def period(points: Array, tolerance: float = 1e-3) -> int | None:
+    """Return the smallest number of points after which they repeat, None if they do not within a third of
+    them.
 
     ``points``: shape (points,) or (points, coordinates); two are equal within ``tolerance`` of the range of
     all, or :data:`EQUAL` of their size, because a motion that comes to rest has no range. A period must be
@@ -167,7 +178,7 @@ def period(points: Array, tolerance: float = 1e-3, longest: int = LONGEST) -> in
     """
     points = rows_of(points)
     size = np.maximum(tolerance * np.ptp(points, axis=0), smallest_difference(points))
-    for shift in range(1, min(longest, len(points) // TIMES) + 1):
+    for shift in range(1, len(points) // TIMES + 1):
         if (largest_difference(points, shift) <= size).all():
             return shift
     return None
@@ -178,95 +189,24 @@ def smallest_difference(points: Array) -> Array:
     return np.asarray(EQUAL * np.abs(points).max(axis=0) + 1e-300)
 
 
-def largest_difference(points: Array, shift: int) -> Array:
-    """Return the largest difference of points a ``shift`` apart among the last three times as many, shape
-    (coordinates,).
-    """
-    last = points[-3 * shift :]
-    return np.asarray(np.abs(last[shift:] - last[:-shift]).max(axis=0))
-
-
-def recurrence_distance(points: Array, shift: int | None = None, longest: int = LONGEST) -> float:
+def recurrence_distance(points: Array, shift: int | None = None) -> float:
     """Return the difference of points a ``shift`` apart, as a share of the range of all; without ``shift``
-    the smallest up to ``longest``.
+    the smallest.
     """
     points = rows_of(points)
     size = np.maximum(np.ptp(points, axis=0), smallest_difference(points))
-    shifts = range(1, min(longest, len(points) // TIMES) + 1) if shift is None else (shift,)
+    shifts = range(1, len(points) // TIMES + 1) if shift is None else (shift,)
     return min(
         (float((largest_difference(points, shift) / size).max()) for shift in shifts), default=float("nan")
     )
-
-
-def zero_one(series: Array, seed: int = 0) -> float:
-    """Return the result of the 0-1 test for chaos (Gottwald and Melbourne 2009) of a series, shape (points,):
-    near 0 if regular, near 1 if chaotic.
-
-    For an angle c, the mean square displacement of (sum phi cos jc, sum phi sin jc) over time grows linearly
-    if the motion is chaotic and stays bounded if it is regular. The result is the median over a hundred
-    angles of its correlation with time. phi is the series minus its mean, which would make the displacement
-    oscillate. Points must be sampled so rarely that they look unrelated: once a turn, not a hundred times.
-    """
-    phi = np.asarray(series, dtype=float)
-    if np.ptp(phi) <= 1e-9 * np.abs(phi).max(initial=0.0):
-        return 0.0
-    phi = (phi - phi.mean()) / np.ptp(phi)
-    count, longest = len(phi), max(2, len(phi) // SHARE)
-    j, shifts = np.arange(1, count + 1), np.arange(1, longest + 1)
-    correlations = []
-    for c in math.pi / 5.0 + 3.0 * math.pi / 5.0 * np.random.default_rng(seed).random(ANGLES):
-        s, e = sincos(c * j)
-        p, q = np.cumsum(phi * e), np.cumsum(phi * s)
-        square = [
-            mean_square(p, n, count - longest) + mean_square(q, n, count - longest)
-            for n in range(1, longest + 1)
-        ]
-        correlations.append(correlation(shifts.astype(float), np.array(square)))
-    return float(np.median(correlations))
-
-
-def mean_square(series: Array, shift: int, count: int) -> float:
-    """Return the mean square of the first ``count`` differences of a series over a shift."""
-    way = (series[shift:] - series[:-shift])[:count]
-    return float((way * way).mean())
-
-
-def correlation(first: Array, second: Array) -> float:
-    """Return the correlation of two series; 0 if one is constant. The sums are ours, because those of BLAS
-    depend on the processor.
-    """
-    a, b = first - first.mean(), second - second.mean()
-    size = math.sqrt(float((a * a).sum()) * float((b * b).sum()))
-    return float((a * b).sum()) / size if size > 0.0 else 0.0
 
 
 QUASI, CHAOTIC, UNSETTLED, DIVERGED = "quasi-periodic", "chaotic", "not settled", "diverged"
 NO_POINTS = "nothing recorded yet"
 UNDECIDED = "not decided"  # points repeat although a small difference grows, which excludes each other
 TEST_POINTS = 100  # points from which on the 0-1 test is used
-REGULAR, IRREGULAR = 0.3, 0.7  # its answers below and above which a motion is regular and chaotic
+ORDINALS = {2: "second", 4: "fourth"}  # points of which the 0-1 test takes one
 AGREEING = 2.0  # largest ratio of the exponents of both halves, for fewer points
-ROUGHEST = 5.0  # variation of the radius along a closed curve, over twice its range
-ORDERED = 0.95  # share of neighbours along a closed curve whose next points have the same order
-
-
-@dataclass(frozen=True)
-class Rotation:
-    """Rotation of points about their mean: ``number`` of turns for each point.
-
-    ``rough``: variation of the radius along the angles over twice its range, about 1 for a closed curve and a
-    share of the number of points for a cloud. ``order``: share of neighbours whose next points have the same
-    order.
-    """
-
-    number: float
-    rough: float
-    order: float
-
-    @property
-    def closed(self) -> bool:
-        """Whether the points lie on one closed curve and go round it in order, as no chaotic motion does."""
-        return self.rough <= ROUGHEST and self.order >= ORDERED
 
 
 @dataclass(frozen=True)
@@ -279,7 +219,8 @@ class Verdict:
     at least 100 points; ``rotation`` about the mean. None was not computed. ``reason``: why nothing is
     decided, where it is not that points repeat although a difference grows. ``longest``: the largest shift
     (points) whose points were compared. ``repeats``: turns after which points repeat that differ by so little
-    between these turns that the step may make the difference; 0 for others.
+    between these turns that the step may make the difference; 0 for others. ``stride``: the 0-1 test is of
+    every so many points. ``winding``: rotation number on a closed curve, NaN if points follow none.
     """
 
     kind: str
@@ -292,6 +233,8 @@ class Verdict:
     reason: str = ""
     longest: int = LONGEST
     repeats: int = 0
+    stride: int = 1
+    winding: float = math.nan
 
     def __str__(self) -> str:
         return f"{self.kind}: {self.evidence}"
@@ -322,9 +265,12 @@ class Verdict:
         if self.exponent is not None:
             texts.append(self.exponent.words)
         if self.zero_one is not None:
-            texts.append(f"0-1 test {self.zero_one:.2f}")
-        if self.rotation is not None and self.rotation.closed and not self.reason:
-            texts.append(f"one closed curve, gone round {self.rotation.number:.4f} times a turn")
+            of = f" of every {ORDINALS[self.stride]} point" if self.stride > 1 else ""
+            texts.append(f"0-1 test {self.zero_one:.2f}{of}")
+        closed = self.rotation is not None and self.rotation.closed
+        number = self.rotation.number if self.rotation is not None and closed else self.winding
+        if not math.isnan(number) and not self.reason:
+            texts.append(f"one closed curve, gone round {number:.4f} times a turn")
         return ", ".join(texts)
 
     @property
@@ -343,33 +289,15 @@ class Verdict:
         return "a turn apart" if self.longest == 1 else f"up to {self.longest} turns apart"
 
 
-def rotation(points: Array) -> Rotation | None:
-    """Measure the rotation of points about their mean, shape (points,) or (points, coordinates); None for
-    fewer than eight.
-
-    The plane is that of the first two coordinates, or of each value and the next one.
-    """
-    points = rows_of(points)
-    plane = points[:, :2] if points.shape[1] > 1 else np.column_stack([points[:-1, 0], points[1:, 0]])
-    if len(plane) < 8:
-        return None
-    size = np.ptp(plane, axis=0)
-    if not (size > 0.0).all():
-        return None
-    around = (plane - plane.mean(axis=0)) / size
-    angle, radius = atan2(around[:, 1], around[:, 0]), hypot(around[:, 0], around[:, 1])
-    turn = 2.0 * np.pi
-    radii, next_angle = (
-        radius[np.argsort(angle, kind="stable")],
-        angle[1:][np.argsort(angle[:-1], kind="stable")],
-    )
-    swing = max(float(np.ptp(radii)), 1e-3 * float(radii.mean()))
-    rough = float(np.abs(np.diff(radii)).sum()) / (2.0 * swing)
-    order = float((np.mod(np.diff(next_angle), turn) < np.pi).mean())
-    return Rotation(float(np.mod(np.diff(angle), turn).mean()) / turn, rough, order)
-
-
 SCATTER = 0.01  # largest scatter of points due to the step, as a share of the motion's range
+# Largest such share of points that repeat after more turns. A damped stop made 0.0004 of the step; a period
+# of 48 turns had points 0.007 apart after 6.
+STEP_SHARE = 0.0025
+LONGER_OR_STEP = (
+    "a longer period, or an effect of the step, which places onsets differently in these turns; compare half"
+    " the step"
+)
+LESS = 0.5  # share of the scatter of points a period apart, within which those of a longer one repeat
 TAIL = 3 * LONGEST  # latest points: of those before, the motion may still settle
 SETTLED = 3.0  # largest ratio of the scatter of the first half of the points to that of the second
 
@@ -377,19 +305,60 @@ SETTLED = 3.0  # largest ratio of the scatter of the first half of the points to
 def scattered_period(points: Array, ranges: Array, limit: float = SCATTER) -> tuple[int, float] | None:
     """Return the period of points that scatter about periodic ones, and their scatter as a share of
     ``ranges``, shape (coordinates,), the ranges of the motion; None if they scatter by more than ``limit``,
-    or still settle.
+    or still settle: points any multiple of the period apart are much closer in the second half.
     """
-    size = np.maximum(ranges, smallest_difference(points))
-
-    def spread(part: Array, shift: int) -> float:
-        return float((np.abs(part[shift:] - part[:-shift]) / size).max())
-
     half = len(points) // 2
-    for shift in range(1, min(LONGEST, len(points) // 6) + 1):
-        share = spread(points, shift)
-        if share <= limit and spread(points[:half], shift) <= SETTLED * spread(points[half:], shift):
-            return shift, share
+    shifts = range(1, min(LONGEST, len(points) // 6) + 1)
+    shares = {shift: spread(points, shift, ranges) for shift in shifts}
+    for shift, share in shares.items():
+        if share > limit:
+            continue
+        for multiple in shifts[shift - 1 :: shift]:
+            first, second = (spread(part, multiple, ranges) for part in (points[:half], points[half:]))
+            if shares[multiple] <= limit and first <= SETTLED * second:
+                return shift, share
     return None
+
+
+def spread(points: Array, shift: int, ranges: Array) -> float:
+    """Return the largest difference (1, of ``ranges``) of points a ``shift`` apart."""
+    size = np.maximum(ranges, smallest_difference(points))
+    return float((np.abs(points[shift:] - points[:-shift]) / size).max())
+
+
+def longer_period(points: Array, ranges: Array, shift: int) -> int:
+    """Return the smallest multiple of a ``shift`` after which points that scatter repeat much better, so that
+    the step alone does not explain their scatter; 0 for none.
+    """
+    limit = LESS * spread(points, shift, ranges)
+    multiples = range(2 * shift, len(points) // TIMES + 1, shift)
+    return next((multiple for multiple in multiples if spread(points, multiple, ranges) <= limit), 0)
+
+
+def scattered_verdict(
+    points: Array, growth: Exponent | None, repeats: int | None, ranges: Array
+) -> Verdict | None:
+    """Return the verdict on points that scatter with the step about periodic ones; None for others.
+
+    Steps themselves may repeat after several turns, each with another place of an onset in its step: the
+    points of one motion then repeat exactly, a hair's breadth apart. Points further apart may have a longer
+    period, and nothing is decided.
+    """
+    latest = points if repeats is None else points[-max(TAIL, 2 * repeats) :]
+    scattered = scattered_period(latest, ranges)
+    if scattered is None or (repeats is not None and scattered[0] >= repeats):
+        return None
+    shift, share = scattered
+    distance = recurrence_distance(points, repeats)
+    longer = longer_period(latest, ranges, shift) if repeats is None else repeats
+    if longer and share > STEP_SHARE:
+        apart = "a turn" if shift == 1 else f"{shift} turns"
+        reason = (
+            f"points {apart} apart lie within {_percent(share)} of the motion's range, and those {longer}"
+            f" turns apart much closer: {LONGER_OR_STEP}"
+        )
+        return Verdict(UNDECIDED, None, distance, growth, reason=reason)
+    return Verdict(f"period {shift}", shift, distance, growth, scatter=share, repeats=repeats or 0)
 
 
 def verdict(
@@ -404,19 +373,15 @@ def verdict(
     ``ranges`` computes the range of each coordinate in the whole motion, shape (coordinates,). If a small
     difference decays, points that lie within a hundredth of it are periodic, and scatter with the step. So do
     points that repeat after several turns, unless a small difference grows: a longer period with so small a
-    difference is not told from the effect of the step.
+    difference is not told from the effect of the step (:func:`scattered_verdict`).
 
-    Points that repeat within ``tolerance`` of their range, three times, have a period, unless a small
-    difference grows more than e-fold in each half of the turns: then nothing is decided. Points that
-    alternate about a shorter period and approach it, as the turns of a run do
-    (:func:`~vfife.measures.trend.alternation`), are not settled. Without a period, a
-    motion is chaotic if a difference grows so (for fewer than 100 points, about as fast in both halves), and
-    not settled if it decays as fast or the halves disagree. In between the 0-1 test decides, or for fewer
-    than 100 points whether they lie on a closed curve.
+    Points that repeat within ``tolerance`` of their range, three times, have a period, unless the exponent is
+    :attr:`~Exponent.positive`: then nothing is decided. Points that alternate about a shorter period and
+    approach it (:func:`~vfife.measures.trend.alternation`) are not settled. For others
+    :func:`_kind_without_period` decides.
 
-    Points within a hundredth of the motion's range may be those of a periodic motion that scatter with the
-    step, which looks like noise to the 0-1 test: without a difference that grows over 100 turns they are not
-    called chaotic, but not decided. Without points nothing is decided either.
+    Points within a hundredth of the motion's range look like noise to the 0-1 test if they scatter with the
+    step: without a difference that grows over 100 turns they are not decided.
     """
     points = rows_of(points)
     if not len(points):
@@ -424,44 +389,75 @@ def verdict(
     if not np.isfinite(points).all():
         return Verdict(DIVERGED, None, float("nan"), growth)
     repeats = period(points, tolerance)
-    distance = recurrence_distance(points, repeats)
-    finite = None if growth is None or math.isnan(growth.value) else growth
-    margin = 0.0 if growth is None else growth.margin
-    grows, decays = growth is not None and growth.grows, finite is not None and finite.decays
+    grows = growth is not None and growth.positive
+    decays = growth is not None and not math.isnan(growth.value) and growth.decays
     if ranges is not None and repeats != 1 and (decays if repeats is None else not grows):
-        # Steps themselves may repeat after several turns, each with another place of an onset in its step:
-        # the points of one motion then repeat exactly, a hair's breadth apart.
-        scattered = scattered_period(points if repeats is None else points[-TAIL:], ranges())
-        if scattered is not None and (repeats is None or scattered[0] < repeats):
-            kind = f"period {scattered[0]}"
-            return Verdict(kind, scattered[0], distance, growth, scatter=scattered[1], repeats=repeats or 0)
+        scattered = scattered_verdict(points, growth, repeats, ranges())
+        if scattered is not None:
+            return scattered
+    distance = recurrence_distance(points, repeats)
     if repeats is not None:
         if grows:
             return Verdict(UNDECIDED, None, distance, growth)
         reason = settling_reason(points, repeats)
         kind, shift = (UNSETTLED, None) if reason else (f"period {repeats}", repeats)
         return Verdict(kind, shift, distance, growth, reason=reason)
-    test = zero_one(points[:, 0]) if len(points) >= TEST_POINTS else None
-    turning, reason = rotation(points), ""
-    if (
-        growth is not None
-        and grows
-        and (len(points) >= TEST_POINTS or growth.halves[1] <= AGREEING * growth.halves[0])
-    ):
-        kind = CHAOTIC
-    elif finite is not None and not (finite.halves[0] >= -margin and finite.value <= margin):
-        kind = UNSETTLED
-    elif test is None:
-        # Successive points that approach their limit lie in order on a line, as on a curve.
-        reason = settling_reason(points, 2)
-        kind = QUASI if turning is not None and turning.closed and not reason else UNSETTLED
-    else:
-        kind = QUASI if test < REGULAR else CHAOTIC if test > IRREGULAR else UNSETTLED
-    if kind == CHAOTIC and ranges is not None and not (grows and len(points) >= TEST_POINTS):
+    test, stride = zero_one_of_bands(points[:, 0], grows) if len(points) >= TEST_POINTS else (None, 1)
+    turning = rotation(points)
+    kind, reason, number = _kind_without_period(points, growth, test, turning)
+    if kind == CHAOTIC and ranges is not None and not (grows and test is not None):
         reason = small_cloud(points, ranges())
         kind = UNDECIDED if reason else kind
-    longest = min(LONGEST, len(points) // TIMES)
-    return Verdict(kind, None, distance, growth, test, turning, reason=reason, longest=longest)
+    longest = len(points) // TIMES
+    return Verdict(
+        kind, None, distance, growth, test, turning,
+        reason=reason, longest=longest, stride=stride, winding=number,
+    )  # fmt: skip
+
+
+def _kind_without_period(
+    points: Array, growth: Exponent | None, test: float | None, turning: Rotation | None
+) -> tuple[str, str, float]:
+    """Return the kind of a motion whose points do not repeat, why nothing is decided, and the rotation number
+    on a closed curve; "" and NaN where there are none. ``test``: the 0-1 test, of 100 points and more.
+
+    It is chaotic if the exponent is positive and the test is not that of a regular motion (for fewer points,
+    if both halves grow about as fast), and not settled if a difference decays as fast or the halves disagree.
+    With an exponent of about zero it is quasi-periodic if the points follow a closed curve, never chaotic.
+    Without an exponent the test decides. What looks regular, but follows no curve, may have a period that is
+    too long to be seen: nothing is decided.
+    """
+    finite = None if growth is None or math.isnan(growth.value) else growth
+    unseen = f"a period of more than {len(points) // TIMES} turns is possible: take more turns"
+    if finite is not None and finite.grows:
+        agreeing = test is not None or finite.estimated or finite.halves[1] <= AGREEING * finite.halves[0]
+        regular = test is not None and test < REGULAR
+        if finite.positive and agreeing and not regular:
+            return CHAOTIC, "", math.nan
+        if test is None:
+            return UNSETTLED, "", math.nan
+        cause = (
+            "by the 0-1 test the motion is regular"
+            if regular
+            else f"the exponent may be zero by its range{'' if finite.estimated else ' over these turns'}"
+        )
+        return UNDECIDED, f"a small difference seems to grow, but {cause}; {unseen}", math.nan
+    if finite is not None and not (finite.halves[0] >= -finite.margin and finite.value <= finite.margin):
+        return UNSETTLED, "", math.nan
+    if test is None:
+        # Successive points that approach their limit lie in order on a line, as on a curve.
+        reason = settling_reason(points, 2)
+        closed = turning is not None and turning.closed and not reason
+        return (QUASI if closed else UNSETTLED), reason, math.nan
+    if test < REGULAR or (test <= IRREGULAR and finite is not None):
+        number = turning.number if turning is not None and turning.closed else winding(points)
+        if not math.isnan(number):
+            return QUASI, "", number
+        if test < REGULAR:
+            return UNDECIDED, f"points follow no closed curve; {unseen}", number
+    if test > IRREGULAR and finite is None:
+        return CHAOTIC, "", math.nan
+    return UNSETTLED, "", math.nan
 
 
 def settling_reason(points: Array, repeats: int) -> str:

@@ -176,9 +176,10 @@ def ranges(ax: Axes, fit: Fit) -> None:
     limits for those whose confidence is not known.
     """
     for k, value in enumerate(fit.values):
-        at, ends = value.share(value.value), [value.share(end) for end in (value.low, value.high)]
+        at, limits = value.share(value.value), (value.low, value.high) if value.known else ()
+        ends = [value.share(end) for end in limits]
         colour = INK if value.determined else VERMILION
-        if value.known and all(map(math.isfinite, ends)):
+        if ends and all(map(math.isfinite, ends)):
             ax.plot(np.clip(ends, 0.0, 1.0), [k, k], color=colour, lw=3.0, solid_capstyle="butt")
         ax.plot([at], [k], "o", color=colour, ms=5.0, mfc=colour if value.known else "none")
         if not value.known:

@@ -10,7 +10,16 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..job.progress import counted
-from ..measures.chaos import CHAOTIC, NO_POINTS, STEP_UNKNOWN, TEST_POINTS, UNDECIDED, UNSETTLED
+from ..measures.chaos import (
+    CHAOTIC,
+    LONGER_OR_STEP,
+    NO_POINTS,
+    SCATTER,
+    STEP_UNKNOWN,
+    TEST_POINTS,
+    UNDECIDED,
+    UNSETTLED,
+)
 from .amounts import quantity
 from .design_words import and_words
 from .document import Document, Paragraph, Table, incomplete, paragraphs
@@ -66,7 +75,7 @@ def diagram(result: Bifurcation) -> Document:
         _protocol(result, f"{spec.turns} turns at each value"),
         (
             "A motion is periodic if points repeat within 0.1 % of the range, chaotic if a small difference"
-            " grows more than e-fold in each half of the turns."
+            " grows more than e-fold in each half of the turns, and by more than the error of so few."
             f" Exponents, {STEP_UNKNOWN}."
         ),
         f"Companions: {result.step_report or 'none.'}",
@@ -187,10 +196,18 @@ def start_caution(result: Basins | PoincareSection) -> list[str]:
 
 
 def _undecided_starts(result: Basins) -> list[str]:
-    """Return the remedy if more than a quarter of the starts are not decided because few turns of each are
-    recorded.
+    """Return the remedy if more than a quarter of the starts are not decided, because few turns of each are
+    recorded, or for the step.
     """
-    undecided = sum(motion.kind == UNDECIDED for motion in result.verdicts.values())
+    reasons = [motion.reason for motion in result.verdicts.values() if motion.kind == UNDECIDED]
+    of_step = sum(LONGER_OR_STEP in reason for reason in reasons)
+    if 4 * of_step > len(result.verdicts):
+        return [
+            f"{of_step:,} of {len(result.verdicts):,} starts are not decided: their points repeat within"
+            f" {100.0 * SCATTER:g} % of the motion's range, and much closer after more turns. That is"
+            f" {LONGER_OR_STEP}."
+        ]
+    undecided = len(reasons) - of_step
     recorded = result.spec.turns - result.spec.dropped
     if 4 * undecided <= len(result.verdicts) or recorded >= TEST_POINTS:
         return []
@@ -310,6 +327,11 @@ def spectra(spectra: Sequence[Any], name: str) -> Document:
             )
     words = f"{first.words[0].upper()}{first.words[1:]}."
     return Document([Table.numeric(heads, rows), Paragraph(words)], title=f"{name}: the strongest waves")
+
+
+def waves(transformed: Any) -> Document:
+    """Return a document of the strongest waves of a spectrum, spectrogram or envelope."""
+    return spectra([transformed], transformed.name)
 
 
 def strongest(sizes: Any, window: str) -> list[int]:

@@ -249,8 +249,8 @@ def _knocks(summary: Json) -> str:
             sentences.append(f"At other step sizes joint {name} may not knock at all")
     elif loose:
         sentences.append("No joint knocks")
-        starts = [f"{name} {start}" for name, (_, start) in loose.items() if start]
-        sentences[0] += f" in these turns; at the start, {', '.join(starts)}" if starts else ""
+        speeds = [f"{name} {whole}" for name, (_, whole) in loose.items() if whole]
+        sentences[0] += f" in these turns; in the whole run, {', '.join(speeds)}" if speeds else ""
     sentences += [f"A blow in closed contact: {text}" for _, text in blow(summary)]
     return "".join(f"{sentence}. " for sentence in sentences).rstrip()
 

@@ -145,7 +145,8 @@ DOCUMENTS = {  # module and function that make the document of a class; all othe
     "Study": ("study", "document"), "Worn": ("wear", "document"), "Fit": ("sensitivity", "identification"),
     "Comparison": ("sensitivity", "comparison"), "Optimum": ("searches", "optimum"),
     "Allocation": ("searches", "allocation"), "Design": ("design", "document"),
-    "Sensitivity": ("sensitivity", "sensitivity"),
+    "Sensitivity": ("sensitivity", "sensitivity"), "Spectrum": ("dynamics", "waves"),
+    "Spectrogram": ("dynamics", "waves"), "Envelope": ("dynamics", "waves"),
 }  # fmt: skip
 
 
@@ -167,7 +168,7 @@ class NotebookDocument:
 
 
 def document_of(answer: Any) -> Document:
-    """Return the document of a study, map, wear simulation, fit, comparison or sensitivity."""
+    """Return the document of a study, map, wear simulation, fit, comparison, sensitivity or spectrum."""
     module, function = DOCUMENTS.get(type(answer).__name__, ("dynamics", "document"))
     document: Document = getattr(import_module(f".{module}", __package__), function)(answer)
     return document

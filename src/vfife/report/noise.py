@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from ..measures.values import NOT_ESTIMATED
 from .design_words import and_words
 from .digits import CERTAIN, SCATTER, Json, is_about_zero, is_estimated, largest_text, sum_text
-from .run_tables import NONE_BEGAN, blow_texts, knock_texts, knocks, of_contacts, own_knocks
+from .run_tables import NONE_BEGAN, blow_texts, knock_texts, knocks, may_not_knock, of_contacts, own_knocks
 
 STEPS_ONLY = "at other step sizes only"  # a joint knocks, but not in this run
 # Share of the rise of a joint's largest force above the ideal one: a larger blow makes this force, or is
@@ -31,17 +31,19 @@ def noise(summary: Json) -> Iterator[tuple[str, str]]:
     harder = rivals(summary, hardest, list(speeds))
     speed, joint = largest_text(summary, harder, "m/s", CERTAIN), _contact_words(harder)
     measured = summary.get("knocks", {})
-    start = f"at the start {speed} ({joint})"
+    whole = f"in the whole run {speed} ({joint})"
     if not measured or any(entry["hardest"] and entry["count"] for entry in measured.values()):
         place = f"{joint}, whole run{_silent_words(summary, harder)}"
         yield "Noise", f"hardest knock {speed} ({place}){_measured_knock(summary)}{losses}"
     elif not any(entry["count"] for entry in measured.values()):
-        yield "Noise", f"no knocks; {start}"
+        yield "Noise", f"no knocks in the turns of the table; {whole}"
     else:
         contact = max(measured, key=lambda name: float(measured[name]["speed"]))
         text = knock_texts(summary, contact.split(".")[0])[0]
         largest = _with_joint(text, _contact_words([contact]))
-        yield "Noise", f"hardest knock {largest}, {start}{losses}"
+        silent = may_not_knock(summary, contact.split(".")[0])
+        doubt = "; at other step sizes it may not knock at all" if silent else ""
+        yield "Noise", f"hardest knock {largest}, {whole}{doubt}{losses}"
 
 
 def _silent_words(summary: Json, names: list[str]) -> str:
@@ -79,7 +81,7 @@ def _measured_knock(summary: Json) -> str:
     run has harder ones.
     """
     texts = {name: knock_texts(summary, name) for name in summary["joints"]}
-    if not summary.get("knocks") or not any(start for _, start in texts.values()):
+    if not summary.get("knocks") or not any(whole for _, whole in texts.values()):
         return ""
     hardest = " or ".join(_with_joint(texts[joint][0], joint) for joint in hardest_joints(summary))
     return f", {hardest} in the turns of the table"

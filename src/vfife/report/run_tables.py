@@ -60,7 +60,7 @@ def tables(summary: Json) -> list[Table]:
     losses = ("joint", "friction", "impacts", "sliding", "line pressure", "half-width", "p v, mean")
     wear = ("surface", "volume", "deepest")
     knock_ranges = count_ranges({"knocks": _knock_counts(summary)})
-    uncertain = any(may_not_knock(summary, joint) for joint in summary["joints"])
+    uncertain = [joint for joint in summary["joints"] if may_not_knock(summary, joint)]
     candidates = (
         _joint_table(summary, f"Largest reactions {part}"),
         dead_centres.table(summary, part),
@@ -72,7 +72,7 @@ def tables(summary: Json) -> list[Table]:
                 f"Noise (knocks of the whole run; power: {summary['part']})",
             ),
             knock_ranges,
-            "A range that begins at 0: other step sizes may have no knock at all." * uncertain,
+            f"At other step sizes {', '.join(uncertain)} may not knock at all." if uncertain else "",
             f"{NOT_ESTIMATED.capitalize()}: in turns measured." if summary["trust"] else "",
         ),
         noted(Table.numeric(losses, list(_loss_rows(summary)), f"Losses and pressures {part}")),
@@ -381,7 +381,7 @@ def blow_texts(summary: Json) -> dict[str, str]:
         excess, lowest, crank = (blows[name][key] for key in ("excess", "lowest", "crank"))
         words = f"up to {prefixed(excess, 'N', 0.1 * excess, UP)}"
         if over_several_turns(summary["turns"]):
-            words = interval(lowest, excess, "N", 0.1 * excess)
+            words += f" (single turns {interval(lowest, excess, 'N', 0.1 * excess)})"
         texts[name] = f"{name} {words} above the ideal joint at {crank:.4g}°"
     return texts
 
@@ -404,8 +404,8 @@ def knocks(summary: Json, joint: str) -> tuple[int | None, str]:
 
 
 def knock_texts(summary: Json, joint: str) -> tuple[str, str]:
-    """Return the hardest knock of a joint in the turns of the measures, and that of the start if it is
-    another one; empty texts without clearance.
+    """Return the hardest knock of a joint in the turns of the measures, and that of the whole run if
+    it is another one; empty texts without clearance.
     """
     count, speed = knocks(summary, joint)
     if not count:
@@ -416,13 +416,12 @@ def knock_texts(summary: Json, joint: str) -> tuple[str, str]:
     hardest = max(float(entry["speed"]) for entry in measured)
     if not hardest:
         return NONE_BEGAN if any(entry.get("overlap") for entry in measured) else "none", speed
-    # Two digits, as of a value without an error, but not more than the hardest of the whole run.
+    # Three digits, but not more than the hardest of the whole run.
     fastest = max(
         float(summary["measures"][name]) for name in of_contacts(summary, joint, "approach_speed.max")
     )
-    way = DOWN if rounded(hardest, 1 - exponent(hardest)) > fastest else NEAREST
-    text = prefixed(hardest, "m/s", 0.1 * hardest, way)
-    return f"{'0 to ' * may_not_knock(summary, joint)}{text} ({NOT_ESTIMATED})", speed
+    way = DOWN if rounded(hardest, 2 - exponent(hardest)) > fastest else NEAREST
+    return f"{prefixed(hardest, 'm/s', 0.01 * hardest, way)} ({NOT_ESTIMATED})", speed
 
 
 def may_not_knock(summary: Json, joint: str) -> bool:

@@ -219,9 +219,9 @@ def identification(fit: Fit) -> Document:
     """
     rows = []
     for value in fit.values:
-        sure = math.isfinite(value.error)
-        limits = quantities(value.low, value.high, value.unit) if sure else "-"
-        error = quantity(value.error, value.unit) if sure and value.known else "-"
+        sure = all(map(math.isfinite, value.ends or (value.low, value.high)))
+        limits = quantities(value.low, value.high, value.unit) if sure and value.known else "-"
+        error = quantity(value.error, value.unit) if math.isfinite(value.error) else "-"
         bounds = quantities(*value.bounds, value.unit, exact=True) + (", at one" if value.at_bound else "")
         mark = "" if value.determined or not sure else " ?"
         rows.append(
@@ -264,7 +264,8 @@ def identification(fit: Fit) -> Document:
 def record_row(record: FitRecordValues) -> tuple[str, str, str]:
     """Return a record, what is left of it, and its own numbers with their errors."""
     values = (
-        f"{value.name} = {quantity(value.value, value.unit)} ± {quantity(value.error, value.unit)}"
+        f"{value.name} = {quantity(value.value, value.unit)}"
+        f"{f' ± {quantity(value.error, value.unit)}' if math.isfinite(value.error) else ' (error not known)'}"
         + (" (at a bound)" if value.at_bound else "")
         for value in record.values
     )

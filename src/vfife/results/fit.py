@@ -50,9 +50,8 @@ class FitValue:
 
     ``signs``: -1 for a path whose number has the opposite value; empty where all have the value.
     ``former``: its value in the model, None where that was not one number within the bounds. ``known``: False
-    if curves at the best point depend on the steps, or are of one turn that does not repeat, or if searches
-    that fit nearly as well ended at other values; ``low`` and ``high`` are then only the ends of all points
-    that fit as well.
+    if curves at the best point depend on the steps or are of one turn that does not repeat, or if searches
+    ended at other values: ``error``, ``low``, ``high`` are NaN, ``ends`` those of all that fit as well.
     """
 
     name: str
@@ -67,6 +66,13 @@ class FitValue:
     logarithmic: bool = False
     known: bool = True
     signs: tuple[float, ...] = ()
+    ends: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Leave no limits of an unknown confidence."""
+        if not self.known:
+            ends, nan = self.ends or (self.low, self.high), math.nan
+            vars(self).update(ends=ends, error=nan, low=nan, high=nan)
 
     @property
     def numbers(self) -> list[tuple[str, float]]:
@@ -84,10 +90,9 @@ class FitValue:
     def words(self, confidence: float) -> str:
         """Return name, value and limits in words, with the digits that the limits leave."""
         unit = "" if self.unit == "1" else f" {self.unit}"
-        if not math.isfinite(self.error):
-            return f"{self.name} = {self.value:.5g}{unit} (error not estimated)"
-        limits = significant_range(self.low, self.high, 5)
-        sure = f"{100.0 * confidence:g} %: {limits}" if self.known else "confidence not known"
+        sure = "confidence not known" if np.isfinite(self.ends).any() else "error not estimated"
+        if math.isfinite(self.error):
+            sure = f"{100.0 * confidence:g} %: {significant_range(self.low, self.high, 5)}"
         return f"{self.name} = {self.value:.5g}{unit} ({sure})"
 
     @property
@@ -98,7 +103,8 @@ class FitValue:
     @property
     def width(self) -> float:
         """Half of its confidence interval over its value (1); infinite of what may be zero."""
-        half = 0.5 * (self.high - self.low)
+        low, high = self.ends or (self.low, self.high)
+        half = 0.5 * (high - low)
         return half / abs(self.value) if self.value else float("inf")
 
     @property
@@ -110,10 +116,8 @@ class FitValue:
         """Return the value as JSON data."""
         return {
             "name": self.name, "paths": list(self.paths), "unit": self.unit, "value": self.value,
-            "standard_error": self.error,
-            "low": self.low, "high": self.high, "bounds": list(self.bounds), "former": self.former,
-            "known": self.known,
-            "told": self.determined, "at_bound": self.at_bound,
+            "standard_error": self.error, "low": self.low, "high": self.high, "bounds": list(self.bounds),
+            "former": self.former, "known": self.known, "told": self.determined, "at_bound": self.at_bound,
         }  # fmt: skip
 
 
@@ -341,10 +345,8 @@ class Fit(DataTable):
         """
         import pandas
 
-        unknown = dict.fromkeys(("standard_error", "low", "high"), math.nan)
-        rows = [value.json() | ({} if value.known else unknown) for value in self.values]
-        frame = pandas.DataFrame(rows).set_index("name")
-        return with_completeness(frame, self.progress)
+        rows = pandas.DataFrame([value.json() for value in self.values])
+        return with_completeness(rows.set_index("name"), self.progress)
 
     def table(self) -> Iterator[Sequence[Any]]:
         """Yield the curves: place (of a spectrum frequency or order), measured and model's values of each;
@@ -385,6 +387,7 @@ class Fit(DataTable):
 
 Evaluation = tuple[str, dict[str, Any], Array | None]  # key of the point, its data, its curves
 CURVES = ("places", "measured", "model")
+TUPLES = ("paths", "bounds", "signs", "ends")
 
 
 class FitFile(Store):
@@ -467,10 +470,7 @@ def from_json(data: Mapping[str, Any], numbers: Array) -> Fit:
 
 def values_of(data: Sequence[Mapping[str, Any]]) -> list[FitValue]:
     """Return the identified parameters from JSON."""
-    return [
-        FitValue(**{**entry, **{name: tuple(entry.get(name, ())) for name in ("paths", "bounds", "signs")}})
-        for entry in data
-    ]
+    return [FitValue(**{**entry, **{name: tuple(entry.get(name, ())) for name in TUPLES}}) for entry in data]
 
 
 @with_faults()
