@@ -227,7 +227,7 @@ class Verdict:
     (points) whose points were compared. ``repeats``: turns after which points repeat that differ by so little
     between these turns that the step may make the difference; 0 for others. ``stride``: the 0-1 test is of
     every so many points. ``winding``: rotation number on a closed curve, NaN if points follow none.
-    ``alike``: largest distance of points as a share of their size, where it is that of equal points; NaN otherwise.
+    ``alike``: largest distance of points as a share of their size, where they are equal; NaN otherwise.
     """
 
     kind: str

@@ -392,8 +392,8 @@ class Settling:
         self.turns.append(turn)
         self.sizes.append(size)
         streaks = enumerate(self.streaks, 1)
-        period = next((period for period, streak in streaks if streak >= max(period, LEAST_STREAK)), None)
-        self.period = period if period is not None and self._confirms(period) else None
+        shortest = next((period for period, streak in streaks if streak >= max(period, LEAST_STREAK)), None)
+        self.period = shortest if shortest is not None and self._confirms(shortest) else None
 
     def _differing(self, turn: Array, size: Array) -> NDArray[np.bool_]:
         """Return which of the former turns differ by more than the tolerance at a few outputs already,
