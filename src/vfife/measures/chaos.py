@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..numerics.outward import DOWN, UP, significant
-from ..solvers.repeating import LESS, STEP_SHARE, TREND, Points, alternation
+from ..solvers.repeating import SHARE_OF_SCATTER, STEP_SHARE, TREND, Points, alternation
 from .trend import (
     IRREGULAR,
     REGULAR,
@@ -336,7 +336,7 @@ def longer_period(points: Array, ranges: Array, shift: int) -> int:
     """Return the smallest multiple of a ``shift`` after which points that scatter repeat much better, so that
     the step alone does not explain their scatter; 0 for none.
     """
-    limit = LESS * spread(points, shift, ranges)
+    limit = SHARE_OF_SCATTER * spread(points, shift, ranges)
     multiples = range(2 * shift, len(points) // TIMES + 1, shift)
     return next((multiple for multiple in multiples if spread(points, multiple, ranges) <= limit), 0)
 

@@ -31,9 +31,9 @@ from numpy.typing import NDArray
 from ..solvers.record import Record, columns_of
 from ..solvers.repeating import (
     FEWEST_LATE,
-    LESS,
     LONGEST,
     SETTLED,
+    SHARE_OF_SCATTER,
     TREND,
     Comparison,
     PointRows,
@@ -193,7 +193,7 @@ def scattered(
         latest = points_of(first, count)
         match = scattered_period(*latest, tolerance)
         if match is not None and match[0] > 1 and not distinct(latest, match[0]):
-            match = shorter_period(latest, match[0], tolerance / LESS)
+            match = shorter_period(latest, match[0], tolerance / SHARE_OF_SCATTER)
         if match is not None and match[0] <= longest:
             period, scatter = match
             begin = count - (count - first + 1) // period * period + 1
@@ -218,9 +218,9 @@ def classify(
     count, first = motion.count, max(1, motion.count - TREND)
     latest = points_of(first, count)
     if motion.period is not None:
-        found = _settling(motion, latest) if motion.scatters else _confirmed(motion, latest)
-        if found is not None or motion.scatters or distinct(latest, motion.period):
-            return found or motion
+        decision = _settling(motion, latest) if motion.scatters else _confirmed(motion, latest)
+        if decision is not None or motion.scatters or distinct(latest, motion.period):
+            return decision or motion
     approach = approaching(latest)
     if approach is not None:
         return Turns(count, "settling", None, None, approach, tolerance, count, count)
@@ -252,14 +252,14 @@ def _shorter(motion: Turns, points: Points, limit: float) -> Turns | None:
     """Return turns that seem to have a period of several turns, but whose points differ by less than a
     ``limit`` inside it, with the shorter period; None for others.
     """
-    whole, count = motion.period or 1, motion.count
-    found = shorter_period(points, whole, limit)
-    if found is None:
+    longest, count = motion.period or 1, motion.count
+    match = shorter_period(points, longest, limit)
+    if match is None:
         return None
-    period, apart = found
-    first = count - min(2 * whole, count) // period * period + 1
+    period, distance = match
+    first = count - min(2 * longest, count) // period * period + 1
     since = first + period
-    return Turns(count, "periodic", period, since, apart, motion.tolerance, first, count, scatters=True)
+    return Turns(count, "periodic", period, since, distance, motion.tolerance, first, count, scatters=True)
 
 
 def approaching(points: Points) -> float | None:

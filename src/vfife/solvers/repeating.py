@@ -52,7 +52,10 @@ LEAST_RANGE = 0.1
 # differently in these turns. A damped stop made 0.0004 of the motion's range; a period of 48 turns had points
 # 0.007 apart after 6.
 STEP_SHARE = 0.0025
-LESS = 0.5  # share of the scatter of points a period apart, within which those of a longer one repeat
+# Share of the scatter of points a period apart, within which those of a longer one repeat.
+SHARE_OF_SCATTER = 0.5
+    0.5  # share of the scatter of points a period apart, within which those of a longer one repeat
+)
 # A motion is settling if over its last turns the logarithm of the distance of two turns has at least this
 # correlation with their number, and the distance falls at least by this factor.
 TREND = 24
@@ -255,9 +258,9 @@ def shorter_period(points: Points, period: int, limit: float) -> tuple[int, floa
     """
     latest = Points(points.values[-2 * period :], points.sizes)
     for part in (shift for shift in range(1, period) if period % shift == 0):
-        apart = float(differences(latest, part).max())
-        if apart <= limit and (part == 1 or distinct(points, part)):
-            return part, apart
+        distance_inside = float(differences(latest, part).max())
+        if distance_inside <= limit and (part == 1 or distinct(points, part)):
+            return part, distance_inside
     return None
 
 
@@ -268,10 +271,10 @@ def distinct(points: Points, period: int) -> bool:
     Over the second half of the points: scatter seems to have any period in a few turns.
     """
     latest = Points(points.values[-max(2 * period, len(points.values) // 2) :], points.sizes)
-    limit = max(STEP_SHARE, float(differences(latest, period).max()) / LESS)
+    limit = max(STEP_SHARE, float(differences(latest, period).max()) / SHARE_OF_SCATTER)
     return all(
-        max(float(apart[phase::period].min()) for phase in range(period)) > limit
-        for apart in (differences(latest, part) for part in range(1, period) if period % part == 0)
+        max(float(distances[phase::period].min()) for phase in range(period)) > limit
+        for distances in (differences(latest, part) for part in range(1, period) if period % part == 0)
     )
 
 
