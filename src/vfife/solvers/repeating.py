@@ -54,8 +54,6 @@ LEAST_RANGE = 0.1
 STEP_SHARE = 0.0025
 # Share of the scatter of points a period apart, within which those of a longer one repeat.
 SHARE_OF_SCATTER = 0.5
-    0.5  # share of the scatter of points a period apart, within which those of a longer one repeat
-)
 # A motion is settling if over its last turns the logarithm of the distance of two turns has at least this
 # correlation with their number, and the distance falls at least by this factor.
 TREND = 24
