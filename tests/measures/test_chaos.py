@@ -229,3 +229,11 @@ def test_points_that_follow_a_folded_curve_are_quasi_periodic() -> None:
     assert math.isnan(winding(np.random.default_rng(1).permutation(points)))
     for r in (3.5, 3.55, 3.5697):
         assert math.isnan(winding(logistic(r, 200)[0][:, None])), "a long period is no curve"
+
+
+def test_equal_points_are_not_said_to_differ_by_a_third_of_their_range() -> None:
+    """They alternate by the error of the step, in the sixth digit, which is all of their range."""
+    found = verdict(7.70354 + 1.2e-5 * (-1.0) ** np.arange(60))
+    assert found.period == 1 and "within 0.00031 % of their size" in found.evidence
+    assert "% of the range" not in found.evidence
+    assert "of the range" in verdict(np.array([1.0, 2.0] * 30)).evidence

@@ -17,13 +17,13 @@ from rich.console import Console
 
 import vfife
 from vfife.cli.commands.result import contents
-from vfife.measures.trend import Points, alternation
 from vfife.report.digits import plain_number, range_text, turns_text
 from vfife.report.document import Facts
 from vfife.report.run_file import info
 from vfife.report.run_tables import reaction
 from vfife.report.summary import show
 from vfife.simulation.result import Result
+from vfife.solvers.repeating import Points, alternation
 
 PERIOD = 2.0 * math.pi / 6.0  # s, of the crank
 

@@ -14,17 +14,18 @@ from support import four_bar
 from vfife.assembly.assemble import assemble
 from vfife.measures.chaos import period, verdict
 from vfife.measures.repetition import FEWEST_TURNS, MANY_TURNS, PEAK_STREAK, Turns, classify
-from vfife.measures.trend import Points, settles
 from vfife.solvers.companions import TurnRows
 from vfife.solvers.record import recorded_rows
 from vfife.solvers.repeating import (
     LONGEST,
     Comparison,
+    Points,
     Settling,
     TurnGrid,
     distance,
     outputs_of_a_turn,
     repeated_since,
+    settles,
     turn_grid,
 )
 
@@ -365,3 +366,64 @@ def test_turns_that_alternate_settle_in_a_run_and_in_a_section() -> None:
     assert run.motion == "settling" and run.decay == pytest.approx(0.156)
     section = verdict(points)
     assert section.kind == "not settled" and "by 16 % a turn" in section.evidence
+
+
+def places(count: int, known: int) -> list[int]:
+    """The output at which a stop is met in each turn: at random, but in pairs in the last ``known`` turns."""
+    random = np.random.default_rng(5).integers(1, 60, count)
+    return [*random[: count - known], *([3, 40] * known)[:known]]
+
+
+def struck(peaks: np.ndarray, outputs: list[int]) -> list[np.ndarray]:
+    """Turns with a peak each at an output."""
+    turns = np.zeros((len(peaks), 60, 1))
+    turns[np.arange(len(peaks)), outputs, 0] = peaks
+    return list(turns)
+
+
+@pytest.mark.parametrize(("count", "step"), [(7, 0.0), (16, 0.0), (7, 0.1), (16, 0.1)])
+def test_a_period_of_several_turns_needs_turns_that_differ(count: int, step: float) -> None:
+    """Outputs agree in pairs at the end by chance. Largest values that are the same every turn, but for a
+    scatter of 0.05 %, are of period 1; those that alternate by a tenth are of period 2.
+    """
+    peaks = 1.0 + step * (np.arange(count) % 2) + 5e-4 * np.random.default_rng(2).random(count)
+
+    def points_of(first: int, last: int) -> Points:
+        return Points(peaks[first - 1 : last, None], np.ones(1))
+
+    found = classify(struck(peaks, places(count, 6)), Plain(), 0.01, points_of)  # type: ignore[arg-type]
+    assert found.motion == "periodic" and found.period == (2 if step else 1)
+    assert classify(struck(peaks, places(count, 6)), Plain(), 0.01).period == 2  # type: ignore[arg-type]
+
+
+def test_points_that_approach_each_other_are_settling_wherever_the_outputs_are() -> None:
+    """A geometric decay of e^-0.5 a turn, as of a pendulum that meets a stop at another output in each turn;
+    the same turns with chaotic largest values are not periodic.
+    """
+    for peaks, motion in (
+        (1.0 + 2.0 * math.exp(-0.5) ** np.arange(13.0), "settling"),
+        (1.0 + 0.3 * (-1.0) ** np.arange(13) + 2.0 * 0.5 ** np.arange(13.0), "settling"),
+        (1.0 + logistic(3.9, 13), "not periodic"),
+    ):
+
+        def points_of(first: int, last: int, peaks: np.ndarray = peaks) -> Points:
+            return Points(peaks[first - 1 : last, None], np.ones(1))
+
+        turns = struck(peaks, places(13, 0))
+        assert classify(turns, Plain(), 1e-3).motion == "not periodic"  # type: ignore[arg-type]
+        assert classify(turns, Plain(), 1e-3, points_of).motion == motion  # type: ignore[arg-type]
+
+
+def test_a_watch_does_not_end_where_turns_alternate_and_still_settle(cut) -> None:
+    """Squares of forces that are multiplied by -0.844 about their limit agree in pairs at 1 % of it when they
+    are 1.8 times as far from the next; the run ends when these are, too.
+    """
+    values = 1.0 + 0.3 * (-0.844) ** np.arange(40)
+    rows, watch, at = rows_of(cut, values), Settling(*cut, 0.01), 1
+    while not watch.settled:
+        watch.take(rows[at : at + 5])
+        at += 5
+    count = (at - 1) // 5
+    last = np.abs(np.diff(values[:count])[-3:]) / values.max()
+    pairs = next(n for n in range(8, 40) if 0.3 * 0.844 ** (n - 4) * (1.0 - 0.844**2) <= 0.01)
+    assert last.max() <= 0.01 and count > pairs + 4

@@ -21,13 +21,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..numerics.outward import DOWN, UP, significant
+from ..solvers.repeating import SHARE_OF_SCATTER, STEP_SHARE, TREND, Points, alternation
 from .trend import (
     IRREGULAR,
     REGULAR,
-    TREND,
-    Points,
     Rotation,
-    alternation,
     largest_difference,
     rotation,
     rows_of,
@@ -189,6 +187,14 @@ def smallest_difference(points: Array) -> Array:
     return np.asarray(EQUAL * np.abs(points).max(axis=0) + 1e-300)
 
 
+def alikeness(points: Array) -> float:
+    """Return the largest range of coordinates as a share of their size if none exceeds :data:`EQUAL`, so that
+    all points are equal and a share of their range says nothing; NaN otherwise.
+    """
+    share = float((np.ptp(points, axis=0) / (np.abs(points).max(axis=0) + 1e-300)).max())
+    return share if share <= EQUAL else math.nan
+
+
 def recurrence_distance(points: Array, shift: int | None = None) -> float:
     """Return the difference of points a ``shift`` apart, as a share of the range of all; without ``shift``
     the smallest.
@@ -221,6 +227,7 @@ class Verdict:
     (points) whose points were compared. ``repeats``: turns after which points repeat that differ by so little
     between these turns that the step may make the difference; 0 for others. ``stride``: the 0-1 test is of
     every so many points. ``winding``: rotation number on a closed curve, NaN if points follow none.
+    ``alike``: largest distance of points as a share of their size, where they are equal; NaN otherwise.
     """
 
     kind: str
@@ -235,6 +242,7 @@ class Verdict:
     repeats: int = 0
     stride: int = 1
     winding: float = math.nan
+    alike: float = math.nan
 
     def __str__(self) -> str:
         return f"{self.kind}: {self.evidence}"
@@ -243,6 +251,8 @@ class Verdict:
     def evidence(self) -> str:
         """The evidence in words."""
         within = f"within {_percent(self.distance)} of the range"
+        if self.alike >= 0.0:
+            within = f"within {_percent(self.alike)} of their size, as points that are equal"
         turns = "a turn" if self.period == 1 else f"{self.period} turns"
         texts = [
             (
@@ -290,14 +300,10 @@ class Verdict:
 
 
 SCATTER = 0.01  # largest scatter of points due to the step, as a share of the motion's range
-# Largest such share of points that repeat after more turns. A damped stop made 0.0004 of the step; a period
-# of 48 turns had points 0.007 apart after 6.
-STEP_SHARE = 0.0025
 LONGER_OR_STEP = (
     "a longer period, or an effect of the step, which places onsets differently in these turns; compare half"
     " the step"
 )
-CLOSER_SHARE = 0.5  # share of the scatter of points a period apart, within which those of a longer one repeat
 TAIL = 3 * LONGEST  # latest points: of those before, the motion may still settle
 SETTLED = 3.0  # largest ratio of the scatter of the first half of the points to that of the second
 
@@ -330,7 +336,7 @@ def longer_period(points: Array, ranges: Array, shift: int) -> int:
     """Return the smallest multiple of a ``shift`` after which points that scatter repeat much better, so that
     the step alone does not explain their scatter; 0 for none.
     """
-    limit = CLOSER_SHARE * spread(points, shift, ranges)
+    limit = SHARE_OF_SCATTER * spread(points, shift, ranges)
     multiples = range(2 * shift, len(points) // TIMES + 1, shift)
     return next((multiple for multiple in multiples if spread(points, multiple, ranges) <= limit), 0)
 
@@ -377,7 +383,7 @@ def verdict(
 
     Points that repeat within ``tolerance`` of their range, three times, have a period, unless the exponent is
     :attr:`~Exponent.positive`: then nothing is decided. Points that alternate about a shorter period and
-    approach it (:func:`~vfife.measures.trend.alternation`) are not settled. For others
+    approach it (:func:`~vfife.solvers.repeating.alternation`) are not settled. For others
     :func:`_kind_without_period` decides.
 
     Points within a hundredth of the motion's range look like noise to the 0-1 test if they scatter with the
@@ -401,7 +407,7 @@ def verdict(
             return Verdict(UNDECIDED, None, distance, growth)
         reason = settling_reason(points, repeats)
         kind, shift = (UNSETTLED, None) if reason else (f"period {repeats}", repeats)
-        return Verdict(kind, shift, distance, growth, reason=reason)
+        return Verdict(kind, shift, distance, growth, reason=reason, alike=alikeness(points))
     test, stride = zero_one_of_bands(points[:, 0], grows) if len(points) >= TEST_POINTS else (None, 1)
     turning = rotation(points)
     kind, reason = _kind_without_period(points, growth, test, turning)

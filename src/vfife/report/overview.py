@@ -470,10 +470,7 @@ def _reached_text(speed: Json) -> str:
 
 
 def alternation_caution(turns: Json) -> str:
-    """Return the sentence of a settling motion that alternates; "" for any other.
-
-    ``settle`` is no remedy: it ends a run when pairs of turns repeat.
-    """
+    """Return the sentence of a settling motion that alternates; "" for any other."""
     decay, count = turns.get("decay"), turns["count"]
     if not decay:
         return ""

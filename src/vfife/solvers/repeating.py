@@ -14,6 +14,7 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly, StepChoice
 from ..assembly.timestep import FEWEST_OUTPUTS
 from ..kernels.arrays import Layout
+from ..numerics.elementwise import exp, log
 from .scales import least_compared_acceleration
 
 Array = NDArray[np.float64]
@@ -42,6 +44,31 @@ LEAST_MOMENT = 1e-5
 # Outputs of a turn by which most differing turns are rejected; only all outputs confirm that turns repeat.
 GLANCES = 24
 SURE = 1.0 + 1e-9  # factor of the tolerance in that test, above all rounding
+# Blocks of the state at the end of a turn, by kind: a change is compared with the range of the motion, or
+# with this share of the largest range of the kind.
+STATE = ("particle_x", "particle_y"), ("particle_theta",), ("particle_u", "particle_v"), ("particle_w",)
+LEAST_RANGE = 0.1
+# Largest difference of points, as a share of their size, that the step may make, which places onsets
+# differently in these turns. A damped stop made 0.0004 of the motion's range; a period of 48 turns had points
+# 0.007 apart after 6.
+STEP_SHARE = 0.0025
+# Share of the scatter of points a period apart, within which those of a longer one repeat.
+SHARE_OF_SCATTER = 0.5
+# A motion is settling if over its last turns the logarithm of the distance of two turns has at least this
+# correlation with their number, and the distance falls at least by this factor.
+TREND = 24
+FALLING = -0.9
+FALLEN = 0.7
+# Distances in the later half of a run, and the factor of their fall, that show settling after a transient: of
+# six numbers in random order the logarithms correlate so strongly once in 200.
+FEWEST_LATE, LATE_FALL = 6, 0.5
+# Distances of turns in which a motion that alternates is recognised, and the least ratio of their decay in
+# the second half to that in all: of a period of several turns they become constant when its transient ends.
+FEWEST_ALTERNATIONS, STEADY_DECAY = 7, 0.5
+# Three distances are too few for a correlation; they show a decay if each is smaller and the last is this
+# share of the first.
+SHORT_DECAY, DECAYED = 3, 0.1
+LATEST = max(2 * LONGEST, TREND + 1)  # turns that decide whether a run has settled
 
 
 def distance(first: Array, second: Array, smallest: Array | None = None) -> float:
@@ -172,23 +199,150 @@ class Comparison:
         return scale
 
 
+class Points(NamedTuple):
+    """A point for each turn, shape (turns, coordinates), and the size with which each is compared."""
+
+    values: Array
+    sizes: Array
+
+
+class PointRows:
+    """Read the point of a turn from its outputs: the largest values and, with ``states``, the state at its
+    end, where it is ``recorded``.
+    """
+
+    def __init__(self, assembly: Assembly, recorded: NDArray[np.uint32], *, states: bool = True) -> None:
+        self.comparison = Comparison(assembly, recorded, peaks_only=True)
+        place = {int(row): k for k, row in enumerate(recorded)}
+        kinds = [[int(row) for name in kind for row in assembly.layout.rows_of(name)] for kind in STATE]
+        if not states or not all(row in place for rows in kinds for row in rows):
+            kinds = []
+        self.columns = [self.comparison.columns, *(np.array([place[row] for row in rows]) for rows in kinds)]
+        self.ends = np.cumsum([len(columns) for columns in self.columns])
+
+    def of_turn(self, rows: Array) -> tuple[Array, Array]:
+        """Return the point of a turn and the range of each coordinate, from its outputs of :attr:`columns`,
+        shape (outputs, coordinates).
+        """
+        largest = self.ends[0]
+        return np.append(rows[:, :largest].max(axis=0), rows[-1, largest:]), np.ptp(rows, axis=0)
+
+    def of_turns(self, turns: Sequence[tuple[Array, Array]]) -> Points:
+        """Return the points of some turns, of :meth:`of_turn`."""
+        peaks, *states = np.split(np.array([point for point, _ in turns]), self.ends[:-1], axis=1)
+        ranges = np.split(turns[-1][1], self.ends[:-1])[1:]
+        largest = np.abs(peaks).max(axis=0)
+        values, sizes = [peaks], [np.maximum(largest, self.comparison.smallest_scale(largest))]
+        for kind, ends, wide in zip(STATE, states, ranges, strict=False):
+            if kind == ("particle_theta",):  # a body that rotates has the same angle in the next turn
+                ends = ends - 2.0 * math.pi * np.round((ends - ends[0]) / (2.0 * math.pi))
+            values.append(ends)
+            sizes.append(np.maximum(wide, LEAST_RANGE * wide.max(initial=0.0)))
+        return Points(np.concatenate(values, axis=1), np.concatenate(sizes))
+
+
+def differences(points: Points, shift: int) -> Array:
+    """Return the distance (1) of each point from that a ``shift`` before it, shape (turns - shift,)."""
+    sizes = np.where(points.sizes > 0.0, points.sizes, 1.0)
+    return np.asarray((np.abs(points.values[shift:] - points.values[:-shift]) / sizes).max(axis=1))
+
+
+def shorter_period(points: Points, period: int, limit: float) -> tuple[int, float] | None:
+    """Return the smallest part of a ``period`` after which the points of its last two repeat within the
+    ``limit``, and their largest distance (1); None if turns inside a period differ by more.
+
+    Where an onset moves by one output, turns that differ by nothing else are far apart output by output, and
+    agree after several turns by chance.
+    """
+    latest = Points(points.values[-2 * period :], points.sizes)
+    for part in (shift for shift in range(1, period) if period % shift == 0):
+        distance_inside = float(differences(latest, part).max())
+        if distance_inside <= limit and (part == 1 or distinct(points, part)):
+            return part, distance_inside
+    return None
+
+
+def distinct(points: Points, period: int) -> bool:
+    """Return whether the turns inside a ``period`` differ: in some phase of it points a part of the period
+    apart are always further from each other than the step can make, and than twice those a period apart.
+
+    Over the second half of the points: scatter seems to have any period in a few turns.
+    """
+    latest = Points(points.values[-max(2 * period, len(points.values) // 2) :], points.sizes)
+    limit = max(STEP_SHARE, float(differences(latest, period).max()) / SHARE_OF_SCATTER)
+    return all(
+        max(float(distances[phase::period].min()) for phase in range(period)) > limit
+        for distances in (differences(latest, part) for part in range(1, period) if period % part == 0)
+    )
+
+
+def alternation(points: Points, period: int) -> tuple[float, float] | None:
+    """Return the last distance (1) of turns a part of a ``period`` apart, and the share (1) by which it
+    shrinks a turn; None if it does not shrink, because the period is one.
+
+    Near the end of a motion's stability its deviation changes its sign every turn and decays slowly, so that
+    turns two apart agree long before successive turns do.
+    """
+    for part in (shift for shift in range(1, period) if period % shift == 0):
+        distances = differences(points, part)
+        distances = distances[-max(FEWEST_ALTERNATIONS, len(distances) // 2) :]
+        count = len(distances)
+        if count < FEWEST_ALTERNATIONS or not settles(distances.tolist()):
+            continue
+        fall, late = (log(distances[-1] / distances[k]) / (count - 1 - k) for k in (0, count // 2))
+        if late < STEADY_DECAY * fall:
+            return float(distances[-1]), 1.0 - float(exp(fall))
+    return None
+
+
+def settles_late(distances: Sequence[float]) -> bool:
+    """Return whether the later half of distances falls steadily and to less than half, after a transient in
+    which turns had nothing in common.
+    """
+    late = distances[-(len(distances) // 2) - 1 :]
+    return len(late) > FEWEST_LATE and settles(late, LATE_FALL)
+
+
+def settles(distances: Sequence[float], fallen: float = FALLEN) -> bool:
+    """Return whether distances fall steadily, by a least-squares line through their logarithms, and at least
+    by the factor ``fallen``.
+    """
+    values = np.array(distances[1:] if len(distances) > 4 else distances)  # without that of the start
+    if len(values) == SHORT_DECAY:
+        return bool(values[0] > values[1] > values[2] > 0.0 and values[2] < DECAYED * values[0])
+    if len(values) < 4 or not (np.isfinite(values) & (values > 0.0)).all():
+        return False
+    # Two conditions: the correlation with time is clearly negative, and the whole fall is large enough. A
+    # chaotic motion easily meets one of them by chance.
+    logarithms = log(values)
+    if np.ptp(logarithms) == 0.0:
+        return False
+    at, off = np.arange(len(values)) - 0.5 * (len(values) - 1), logarithms - logarithms.mean()
+    product, wide, high = (float(terms.sum()) for terms in (at * off, at * at, off * off))
+    return product < FALLING * math.sqrt(wide * high) and product / wide * (len(values) - 1) < log(fallen)
+
+
 class Settling:
     """Detect, at the end of each turn, whether the turns of a run repeat within a ``tolerance``: then the run
     has settled.
 
     Turns repeat with a period of p turns when p turns in a row, and at least two, have each been within the
-    tolerance of the turn p before.
+    tolerance of the turn p before. Those of a period of several turns must differ inside it by more than the
+    step can make, and not approach each other (:func:`alternation`), or else by less than the tolerance.
     """
 
     def __init__(self, assembly: Assembly, recorded: NDArray[np.uint32], tolerance: float) -> None:
         outputs = outputs_of_a_turn(assembly)
         self.tolerance, self.outputs = tolerance, outputs or 0
-        self.comparison = Comparison(assembly, recorded)
+        self.comparison, self.reader = Comparison(assembly, recorded), PointRows(assembly, recorded)
+        self.columns = np.concatenate([self.comparison.columns, *self.reader.columns])
+        self.points: deque[tuple[Array, Array]] = deque(maxlen=TREND + 1)
         self.turns: deque[Array] = deque(maxlen=LONGEST)
         self.sizes: deque[Array] = deque(maxlen=LONGEST)  # the largest absolute values of each
         self.parts: list[Array] = []
         self.inside = 0  # outputs of the current turn so far
         self.streaks = [0] * LONGEST
+        self.period: int | None = None  # shortest with which the turns repeat
 
     @property
     def remaining(self) -> int:
@@ -198,21 +352,22 @@ class Settling:
     @property
     def settled(self) -> bool:
         """Whether turns repeat."""
-        return self._period is not None
+        return self.period is not None
 
-    @property
-    def _period(self) -> int | None:
-        """Shortest period (turns) with which the turns repeat."""
-        settled = (
-            period for period, streak in enumerate(self.streaks, 1) if streak >= max(period, LEAST_STREAK)
-        )
-        return next(settled, None)
+    def _confirms(self, period: int) -> bool:
+        """Return whether the points of the turns have the ``period`` with which turns repeat, or a part."""
+        if period == 1:
+            return True
+        points = self.reader.of_turns(self.points)
+        if shorter_period(points, period, self.tolerance) is not None:
+            return True
+        return alternation(points, period) is None and distinct(points, period)
 
     def turns_of_means(self, last: int) -> int:
         """Return over how many turns at the end means of the ``last`` turns extend: once turns repeat, only
         over those that do, in whole periods; a start that still settles is no part of them.
         """
-        period = self._period
+        period = self.period
         if period is None:
             return last
         count = min(last, self.streaks[period - 1] + period)
@@ -222,12 +377,14 @@ class Settling:
         """Add outputs after that of step 0, at most :attr:`remaining` of them."""
         if not self.outputs or not len(rows):
             return
-        self.parts.append(rows[:, self.comparison.columns])
+        self.parts.append(rows[:, self.columns])
         self.inside += len(rows)
         if self.inside < self.outputs:
             return
-        turn = self.parts[0] if len(self.parts) == 1 else np.concatenate(self.parts)
+        outputs = self.parts[0] if len(self.parts) == 1 else np.concatenate(self.parts)
         self.parts, self.inside = [], 0
+        turn, rest = np.split(outputs, [len(self.comparison.columns)], axis=1)
+        self.points.append(self.reader.of_turn(rest))
         size = np.abs(turn).max(axis=0)
         hopeless = self._differing(turn, size)
         for period, former in enumerate(reversed(self.turns), 1):
@@ -235,6 +392,9 @@ class Settling:
             self.streaks[period - 1] = self.streaks[period - 1] + 1 if repeats else 0
         self.turns.append(turn)
         self.sizes.append(size)
+        streaks = enumerate(self.streaks, 1)
+        shortest = next((period for period, streak in streaks if streak >= max(period, LEAST_STREAK)), None)
+        self.period = shortest if shortest is not None and self._confirms(shortest) else None
 
     def _differing(self, turn: Array, size: Array) -> NDArray[np.bool_]:
         """Return which of the former turns differ by more than the tolerance at a few outputs already,
@@ -256,7 +416,7 @@ class Settling:
         if not self.outputs:
             return
         turns = (len(rows) - 1) // self.outputs
-        first = 1 + max(turns - 2 * LONGEST, 0) * self.outputs
+        first = 1 + max(turns - LATEST, 0) * self.outputs
         while first < len(rows):
             self.take(rows[first : first + self.remaining])
             first += self.outputs
