@@ -79,8 +79,8 @@ def four_bar() -> vfife.Result:
 
 
 def certain_summary(**changes: Any) -> dict[str, Any]:
-    """Return the summary of a run whose ranges have no width, without cautions on laws and without the fall at
-    its start, with changes.
+    """Return the summary of a run whose ranges have no width, without cautions on laws and without the fall
+    at its start, with changes.
     """
     no_laws = {key: {} for key in ("law_dependent", "law_shocks", "law_loads")}
     summary = copy.deepcopy(four_bar().summary) | no_laws | changes

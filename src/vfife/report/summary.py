@@ -68,8 +68,8 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
     ``surface_facts``, ``remarks``, ``warnings``, ``law_dependent`` (joints whose forces depend more on the
     contact law than on the step, with the index of the warning), ``law_shocks`` and ``law_loads`` (what else
     the law decides, see :func:`_cautions`), of a run whose largest forces are those of the fall of journals
-    at its start ``start_fall`` (``joints``, ``time`` in s, ``measures``, and the index of the warning) and, of
-    a model with stops, ``stops``
+    at its start ``start_fall`` (``joints``, ``time`` in s, ``measures``, and the index of the warning) and,
+    of a model with stops, ``stops``
     (contacts that the outputs show, by name) with the ``stop_interval`` of the outputs (s), and of a model
     with drivers of sliders or points ``actuators`` and, of one with elastic bodies in motion,
     ``meshes_not_covered`` (elements of the bodies whose mesh error is in no range) are what the document of

@@ -34,6 +34,9 @@ LOOK_SECONDS = 0.25  # between two progress lines
 TRIES = 4  # of a load factor, each with larger masses, if joints open
 # Ratio of forces to loads from which links in line are taken to carry a load across, which they cannot.
 BEYOND_LOADS = 100.0
+# Share of a way from which a structure that moves against a negative stiffness has snapped through: 0.12 to
+# 0.7 where trusses, toggles and presses do, and 0 on stable paths (tests/solvers/test_statics.py).
+SNAPPED = 0.02
 ESCAPE_DISTANCE = 100.0  # distance from the start, in sizes of the mechanism, beyond which nothing holds it
 STATE_OF_REST = ("u", "v", "w", "ax", "ay", "aw")
 MEANINGLESS = (
@@ -95,6 +98,8 @@ def equilibrium(
                     record.status, record.message = fault
                     break
                 stage.tell(at_once=True)
+                if stage.snapped:
+                    relaxation.snaps.append([old, factor])
                 rows.append(_at_rest(assembly, relaxation, stage)[recorded])
                 if file is not None:
                     wall = earlier + time.perf_counter() - began
@@ -107,6 +112,7 @@ def equilibrium(
     record.source, record.steps = np.array(rows), np.arange(len(rows), dtype=np.int64)
     record.wall, record.reached = earlier + time.perf_counter() - began, len(rows) - 1
     record.final = relaxation.state.copy() if record.status == Status.COMPLETE else None
+    record.snaps = tuple((before, after) for before, after in relaxation.snaps)
     if record.message and file is not None:
         file.event(len(rows) - 1, record.message)
     return record
@@ -148,11 +154,18 @@ class Stage:
         self.first = relaxation.iterations
         self.ratio = 0.0
         self.start = relaxation.state[relaxation.places].copy()
+        relaxation.fallen = 0.0
 
     @property
     def done(self) -> int:
         """Number of iterations so far."""
         return self.relaxation.iterations - self.first
+
+    @property
+    def snapped(self) -> bool:
+        """Whether a share of the way to this load factor went against a negative stiffness."""
+        way = self.relaxation.way(self.relaxation.state[self.relaxation.places] - self.start)
+        return self.relaxation.fallen > SNAPPED * float(way)
 
     def run(self, settings: Settings) -> tuple[Status, str] | None:
         """Go to the load factor and relax. Returns status and message if no equilibrium is found, else
