@@ -311,8 +311,8 @@ def test_a_strut_beyond_its_buckling_load_becomes_unstable_and_below_it_does_not
 
 def test_an_analysis_that_goes_on_from_its_file_remembers_a_snap() -> None:
     relaxation = Relaxation(assemble(truss(1.0)), 1.0)
-    relaxation.snaps = [[0.5, 1.0]]
+    relaxation.snaps = [(0.5, 1.0)]
     other = Relaxation(assemble(truss(1.0)), 1.0)
     rows = np.arange(len(other.state))
     other.restore(relaxation.state, rows, json.loads(json.dumps(relaxation.checkpoint)))
-    assert other.snaps == [[0.5, 1.0]]
+    assert other.snaps == [(0.5, 1.0)]

@@ -148,12 +148,12 @@ def static_cautions(result: RunData) -> Iterator[str]:
 def snap_cautions(record: Record) -> Iterator[str]:
     """Yield a sentence on each way between two load factors on which the structure was unstable."""
     factors, moved = times(record).tolist(), displacement(record)
-    for before, after in record.snaps:
-        last = factors.index(after)
+    for start, end in record.snaps:
+        last = factors.index(end)
         yield (
-            f"Between load factors {before:g} and {after:g} the structure became unstable and snapped"
+            f"Between load factors {start:g} and {end:g} the structure became unstable and snapped"
             " through: a limit load (or a buckling load) was passed, and the displacement goes from"
-            f" {moved[last - 1]:.4g} to {moved[last]:.4g} m. Equilibria from {after:g} on lie beyond it."
+            f" {moved[last - 1]:.4g} to {moved[last]:.4g} m. Equilibria from {end:g} on lie beyond it."
             " Closer load factors show at which load this happens; a prescribed travel in place of the load"
             " follows the path."
         )

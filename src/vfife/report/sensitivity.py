@@ -69,14 +69,21 @@ def sensitivity(result: Sensitivity, top: int = 8) -> Document:
         f"Measures belong to the {result.part}, in SI units.",
         *(NOTES[kind] for kind in ("change", "unknown") if kind in kinds),
     ]
-    fallen = [] if result.fall is None else [name for name in result.measures if name in result.fall.measures]
-    if result.fall is not None and fallen:
+    blow: dict[str, Any] = {}
+    if result.fall and (fallen := [name for name in result.measures if name in result.fall.measures]):
+        blow["start_fall"] = {**dataclasses.asdict(result.fall), "measures": fallen}
         texts.insert(1, blow_of_start(result.fall, fallen))
     notes = (Caution(text, "note", aside=True) for text in _caveats(result))
     status = {} if result.complete else {"status": "interrupted"}
     left_out = {"refused": result.refused, "rounding": sorted(result.rounding)}
-    data = {"model": result.mechanism, "part": result.part, **status, **left_out, "rows": result.rows()}
-    data |= {"start_fall": {**dataclasses.asdict(result.fall), "measures": fallen}} if fallen else {}
+    data = {
+        "model": result.mechanism,
+        "part": result.part,
+        **status,
+        **blow,
+        **left_out,
+        "rows": result.rows(),
+    }
     return Document(
         [*incomplete(result.progress, UNCHECKED), table, *paragraphs(texts), *notes],
         f"{result.mechanism}: what its measures depend on",

@@ -388,7 +388,6 @@ def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spr
             " former tolerances."
         )
         parts.append(Caution(left_out, "note", aside=True))
-    measures = {spread.measure: _spread(spread) for spread in spreads}
     return Document(
         parts,
         data={
@@ -396,7 +395,7 @@ def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spr
             "file": file,
             "confidence": confidence,
             "machines": machines,
-            "measures": measures,
+            "measures": {spread.measure: _spread(spread) for spread in spreads},
             "sensitive": sensitivity_data(study),
             "remarks": remarks_on_start(study),
         },

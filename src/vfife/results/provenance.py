@@ -241,7 +241,7 @@ def restored(
     loop = str(meta.get("loop", ""))
     message = str(meta.get("message", ""))
     record = Record(assembly, steps, rows, recorded, wall, loop, status_of(meta, place), message=message)
-    record.snaps = tuple((float(before), float(after)) for before, after in meta.get("snaps", ()))
+    record.snaps = tuple((float(start), float(end)) for start, end in meta.get("snaps", ()))
     return record
 
 

@@ -316,7 +316,7 @@ class Relaxation:
         self.mass, self.inertia = np.zeros(assembly.topology.particles), np.zeros(assembly.topology.particles)
         self.pace = ChunkSize()
         self.frequency, self.iterations, self.kinetic, self.kinetic_max = 0.0, 0, 0.0, 0.0
-        self.fallen, self.snaps = 0.0, list[list[float]]()
+        self.fallen, self.snaps = 0.0, list[tuple[float, float]]()
         self.between = SHORTEST
         self.reweigh()
 
@@ -378,7 +378,7 @@ class Relaxation:
             setattr(self, name, checkpoint[name])
         for name in ("mass", "inertia", "pressed"):
             setattr(self, name, np.array(checkpoint[name], dtype=float))
-        self.snaps = list(checkpoint.get("snaps", ()))
+        self.snaps = [(start, end) for start, end in checkpoint.get("snaps", ())]
         self.runner.done, self.runner.functions[:] = checkpoint["done"], checkpoint["functions"]
 
     def zero_velocities(self) -> None:
@@ -399,11 +399,11 @@ class Relaxation:
         """
         while True:
             start = self.state.copy()
-            every = 1 if self.between <= CLOSE else self.between
-            rows = self.pace.advance(self.runner, every, LOOKS * self.between // every)[:, :, 0]
+            interval = 1 if self.between <= CLOSE else self.between
+            rows = self.pace.advance(self.runner, interval, LOOKS * self.between // interval)[:, :, 0]
             self.iterations += LOOKS * self.between
-            seen = rows[:, : 3 * len(self.places)].reshape(len(rows), 3, -1)
-            looks = seen[self.between // every - 1 :: self.between // every]
+            path = rows[:, : 3 * len(self.places)].reshape(len(rows), 3, -1)
+            looks = path[self.between // interval - 1 :: self.between // interval]
             with np.errstate(invalid="ignore"):
                 self.pressed = np.nan_to_num(
                     np.sqrt(rows[:, 3 * len(self.places) :].max(axis=0)), nan=1e300, posinf=1e300
@@ -418,7 +418,7 @@ class Relaxation:
             self.zero_velocities()
             self.between = max(SHORTEST, self.between // 4)
         mass = 1.0 / self.state[self.inverse]
-        self._follow(seen[:, 0], seen[:, 2], mass)
+        self._follow(path[:, 0], path[:, 2], mass)
         place, speed, push = looks[:, 0], looks[:, 1], looks[:, 2]
         energy = 0.5 * times(speed * speed, mass)
         self.kinetic, self.kinetic_max = float(energy[-1]), max(self.kinetic_max, float(energy.max()))

@@ -98,8 +98,6 @@ def equilibrium(
                     record.status, record.message = fault
                     break
                 stage.tell(at_once=True)
-                if stage.snapped:
-                    relaxation.snaps.append([old, factor])
                 rows.append(_at_rest(assembly, relaxation, stage)[recorded])
                 if file is not None:
                     wall = earlier + time.perf_counter() - began
@@ -112,7 +110,7 @@ def equilibrium(
     record.source, record.steps = np.array(rows), np.arange(len(rows), dtype=np.int64)
     record.wall, record.reached = earlier + time.perf_counter() - began, len(rows) - 1
     record.final = relaxation.state.copy() if record.status == Status.COMPLETE else None
-    record.snaps = tuple((before, after) for before, after in relaxation.snaps)
+    record.snaps = tuple(relaxation.snaps)
     if record.message and file is not None:
         file.event(len(rows) - 1, record.message)
     return record
@@ -189,7 +187,11 @@ class Stage:
             at_rest = relaxation.kinetic_share <= settings.kinetic_energy
             earlier = relaxation.balance(pushes[BEFORE_LAST]).ratio
             if max(self.ratio, earlier) <= settings.residual and at_rest:
-                return (Status.DIVERGED, self._joints_open()) if self._in_line() else None
+                if self._in_line():
+                    return Status.DIVERGED, self._joints_open()
+                if self.snapped:
+                    relaxation.snaps.append((self.old, self.new))
+                return None
 
     def _advance(self, start: float, end: float, count: int) -> None:
         self.loading.go(self.relaxation, start, end, count)
