@@ -59,6 +59,7 @@ def test_the_same_command_goes_on_and_computes_nothing_twice(command: Command, c
     assert len(closed.computed) == 6
     told = json.loads(command("study", "show", "runs/s.study", "--json", "--cases").stdout)
     assert told["status"] == "complete"
+    assert "C.impacts: counted over the whole case, its start included." in told["remarks"]
     assert told["measures"]["C.force.max"]["largest"] == 200.0**2 * 3e-4
     assert told["measures"]["C.force.max"]["largest_at"] == {"play": 3e-4, "speed": 200.0}
     former = json.loads(command("study", "show", "runs/s.study", "--json", "--members").stdout)["members"]

@@ -19,7 +19,8 @@ from vfife.report.cautions import SEATED, fall_remark, falling_journals, landing
 from vfife.report.front import conclusion
 from vfife.report.overview import certainty, joint_table
 from vfife.report.run import document
-from vfife.report.sensitivity import comparison
+from vfife.report.run_file import side_by_side
+from vfife.report.sensitivity import comparison, sensitivity
 from vfife.simulation.result import Result
 
 MEMORY = "remembers the speed of the last landing"
@@ -199,3 +200,21 @@ def test_no_fall_is_named_where_it_is_the_experiment_or_nothing_falls() -> None:
 def test_a_comparison_of_laws_names_the_fall() -> None:
     result = vfife.compare(gallery.slider_crank_loose_pin(), contact=["hertz"], turns=1, companions=0)
     assert "those of the first" in str(comparison(result))
+
+
+def test_derivatives_of_the_blow_of_the_fall_are_called_that() -> None:
+    """Those of a first turn are of the fall; those of the second are not."""
+    options = {"of": "pin.force.max", "to": "body.block.mass", "companions": 0, "runs": 1}
+    one, two = (vfife.sensitivity(gallery.slider_crank_loose_pin(), turns=n, **options) for n in (1, 2))
+    assert "pin.force.max: the value is that of the first" in str(sensitivity(one))
+    fall = sensitivity(one).data["start_fall"]
+    assert fall["measures"] == ["pin.force.max"] and fall["joints"] == ("pin",) and fall["time"] > 0.0
+    assert "fall" not in str(sensitivity(two)) and "start_fall" not in sensitivity(two).data
+
+
+def test_runs_side_by_side_name_the_fall() -> None:
+    runs = {n: vfife.simulate(gallery.slider_crank_loose_pin(), turns=n, companions=0) for n in (1, 2)}
+    told = side_by_side({f"run-{n}": result.summary for n, result in runs.items()})
+    assert "the journals' fall at the start" in str(told).replace("\n", " ")
+    assert "pin.force.max" in told.data["runs"]["run-1"]["start_fall"]["measures"]
+    assert "start_fall" not in told.data["runs"]["run-2"]

@@ -154,10 +154,8 @@ def test_knocks_of_a_run_are_rounded_alike() -> None:
     summary = silent(3, 0.935, 0.936)
     assert knock_texts(summary, "small-end") == ("935 mm/s (not estimated)", "936 mm/s")
     summary["knocks"] = {name: entry | {"hardest": False} for name, entry in summary["knocks"].items()}
-    said = (
-        "hardest knock 935 mm/s (small-end, not estimated), in the whole run 936 mm/s (small-end); at other"
-    )
-    assert said + " step sizes it may not knock at all" in noise(summary)
+    said = "hardest knock 935 mm/s (small-end, not estimated), in the whole run 936 mm/s; at other step sizes"
+    assert f"{said} it may not knock at all" in noise(summary)
     assert knock_texts(silent(3, 0.9358, 0.9359), "small-end")[0].startswith("935 mm/s"), "not 936"
     assert knock_texts(silent(3, 0.10354, 0.97), "small-end")[0] == "104 mm/s (not estimated)"
 

@@ -12,10 +12,10 @@ from ..laws.materials import hardness_of
 from ..measures.contacts import CONFORMAL, line_pressure
 from ..measures.energy import open_share, own_floor
 from ..measures.landings import Fall, lasting_landings, start_fall
-from ..measures.motion import at_rest
+from ..measures.motion import at_rest, times
 from ..measures.normal_forces import largest_normal_forces
 from ..measures.rounding import rounding_noise
-from ..measures.statics import SNAP, first_leap
+from ..measures.statics import SNAP, displacement, first_leap
 from ..measures.trust import OPEN
 from ..measures.turns import full_run
 from ..measures.whirl import backward_whirls
@@ -153,13 +153,28 @@ def static_cautions(result: RunData) -> Iterator[str]:
         yield coarse
     yield from suspect_surfaces(record.assembly.mechanism)
     yield from clearances_at_rest(record.assembly.mechanism)
-    if leap := first_leap(record):
+    yield from snap_cautions(record)
+    if not record.snaps and (leap := first_leap(record)):
         certain = leap.by_load > SNAP
         reason = "a limit load was passed and the structure snapped through"
         yield (
             f"At load factor {leap.load_factor:g} the displacement leaps by {leap.size:.4g} m, per load"
             f" {leap.by_load:.3g} times the step before: {reason if certain else SOFTER}."
             f" Choose closer load factors before it{', or prescribe a travel to follow the path' * certain}."
+        )
+
+
+def snap_cautions(record: Record) -> Iterator[str]:
+    """Yield a sentence on each way between two load factors on which the structure was unstable."""
+    factors, moved = times(record).tolist(), displacement(record)
+    for start, end in record.snaps:
+        last = factors.index(end)
+        yield (
+            f"Between load factors {start:g} and {end:g} the structure became unstable and snapped"
+            " through: a limit load (or a buckling load) was passed, and the displacement goes from"
+            f" {moved[last - 1]:.4g} to {moved[last]:.4g} m. Equilibria from {end:g} on lie beyond it."
+            " Closer load factors show at which load this happens; a prescribed travel in place of the load"
+            " follows the path."
         )
 
 
@@ -195,7 +210,11 @@ def whirl_cautions(record: Record) -> Iterator[str]:
 
 
 def fall_of(result: RunData) -> Fall | None:
-    """Return the fall of the journals at the start, if it makes the largest forces and torques of a run."""
+    """Return the fall of the journals at the start, if it makes the largest forces and torques of a run that
+    reached its end.
+    """
+    if result.record.status != Status.COMPLETE:
+        return None
     return start_fall(result.record, result.reference.measures if result.reference else {}, result.motion)
 
 

@@ -136,6 +136,24 @@ def load_words(loads: Iterable[str]) -> list[str]:
     return [word.strip() for word in words]
 
 
+def law_words(dependent: Collection[str], shocks: Collection[str], loads: Iterable[str]) -> str:
+    """Return which forces the contact law decides: of the joints ``dependent`` more than the step does, of
+    ``shocks`` as the step does, and of all ``loads`` that these shocks make.
+    """
+    several = len(dependent) + len(shocks) > 1
+    passed = ", ".join(load_words(loads))
+    loaded = [f"all that {'they load' if several else 'it loads'} ({passed})"] * bool(passed)
+    if not dependent:
+        force = "forces" if len(shocks) > 1 else "force"
+        objects = " and ".join([f"the {force} of {', '.join(shocks)}", *loaded])
+        return f"The contact law decides {objects}, too"
+    others = [f"{'those' if len(shocks) > 1 else 'that'} of {', '.join(shocks)}"] * bool(shocks) + loaded
+    do = "does" if len(others) == 1 and len(shocks) < 2 else "do"
+    too = f", and so {do} {' and '.join(others)}" * bool(others)
+    force, depend = ("forces", "depend") if len(dependent) > 1 else ("force", "depends")
+    return f"The {force} of {', '.join(dependent)} {depend} more on the contact law than on the step{too}"
+
+
 def comparison(mechanism: Mechanism, joints: Iterable[str]) -> str:
     """Return how to find out by how much the contact law moves the forces of ``joints``: the command that
     compares laws of pins, changes for others.

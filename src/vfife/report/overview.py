@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 
 from ..measures.stops import stop_sentence
 from ..measures.values import NOT_ESTIMATED
@@ -13,7 +13,7 @@ from ..solvers.status import Status
 from ..units import in_rpm
 from . import dead_centres
 from .amounts import WIDE, interval, prefixed
-from .damping_cautions import load_words
+from .damping_cautions import law_words
 from .digits import (
     ABOUT_ZERO,
     CERTAIN,
@@ -248,12 +248,11 @@ def _from_its_start(summary: Json, text: str) -> str:
 
 
 def law_sentence(summary: Json) -> str:
-    """Return which forces depend more on the contact law than on the step, or on both, and all that they
-    load, with the numbers of the cautions that explain it; "" for none.
+    """Return which forces the contact law decides, with the numbers of the cautions that explain it; "" for
+    none.
     """
-    dependent, shocks, loads = (
-        summary.get(key) or {} for key in ("law_dependent", "law_shocks", "law_loads")
-    )
+    keys = ("law_dependent", "law_shocks", "law_loads")
+    dependent, shocks, loads = (summary.get(key) or {} for key in keys)
     if not (dependent or shocks) or summary["status"] in FAILURES:
         return ""
     texts = list(cautions(summary))
@@ -262,21 +261,7 @@ def law_sentence(summary: Json) -> str:
     *first, last = map(str, numbers)
     listed = f"caution{'s' * bool(first)} {', '.join(first)}{' and ' * bool(first)}{last}"
     left = " (--long)" if numbers[-1] > MOST_CAUTIONS else ""
-    passed = ", ".join(load_words(loads))
-    if not dependent:
-        loaded = f" and all that {'they load' if len(shocks) > 1 else 'it loads'} ({passed})" if loads else ""
-        forces = _plural("force{s} of {}", shocks)
-        return f"The contact law decides the {forces}{loaded}, too: see {listed}{left}."
-    that = "they load" if len(dependent) + len(shocks) > 1 else "it loads"
-    clauses = [_plural("that{s} of {}", shocks).replace("thats", "those")] * bool(shocks)
-    clauses += [f"all that {that} ({passed})"] * bool(loads)
-    too = f", and so do{'es' * (len(shocks) + bool(loads) < 2)} {' and '.join(clauses)}" * bool(clauses)
-    depend = _plural("force{s} of {} depend", dependent) + "s" * (len(dependent) == 1)
-    return f"The {depend} more on the contact law than on the step{too}: see {listed}{left}."
-
-
-def _plural(words: str, names: Collection[str]) -> str:
-    return words.format(", ".join(names), s="s" * (len(names) > 1))
+    return f"{law_words(dependent, shocks, loads)}: see {listed}{left}."
 
 
 def _certainty(summary: Json) -> str:

@@ -16,7 +16,7 @@ from . import dead_centres
 from .amounts import interval, percent
 from .digits import Json, is_about_zero, is_estimated, is_undetermined, plain_number, range_text, turns_text
 from .document import Caution, Document, Facts, Paragraph, Part, Table, grouped
-from .overview import cautions, certainty, heading_sentence, moment_texts, overview
+from .overview import cautions, certainty, has_fall, heading_sentence, moment_texts, overview
 from .run_tables import force_text
 
 if TYPE_CHECKING:
@@ -287,7 +287,9 @@ def _ends(summary: Json, measure: str) -> tuple[float, float]:
 
 
 def _data(summary: Json) -> Json:
-    """Return model, part and, for each joint, force (N) and moment (N m) with their ranges."""
+    """Return model, part and, for each joint, force (N) and moment (N m) with their ranges; of a run whose
+    largest forces are those of the fall at its start also ``start_fall``, see the summary.
+    """
     names = [f"{joint}.{kind}.max" for joint in summary["joints"] for kind in ("force", "moment")]
     return {
         "model": summary["model"]["name"],
@@ -298,4 +300,5 @@ def _data(summary: Json) -> Json:
             for name in names
             if name in summary["measures"]
         },
+        **({"start_fall": summary["start_fall"]} if has_fall(summary) else {}),
     }

@@ -54,6 +54,7 @@ def optimum(answer: Optimum) -> Document:
             {"case": case.number, "parameters": case.parameters, "measures": dict(case.values or {})}
             for case in front
         ],
+        "remarks": remarks_on_start(study),
     }
     return Document(parts, data=data)
 
@@ -74,6 +75,7 @@ def allocation(answer: Allocation) -> Document:
         "failures": answer.failures,
         "machines": answer.machines,
         "rejected": [{"fits": fits, "cost": cost} for fits, cost in answer.rejected],
+        "remarks": remarks_on_start(answer.study),
     }
     remarks: list[Part] = [Paragraph(text, lines="whole") for text in remarks_on_start(answer.study)]
     if choice is None or estimate is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -10,10 +11,12 @@ from ..measures.catalogue import unit_of
 from ..measures.values import NOT_ESTIMATED
 from ..numerics.outward import DOWN, UP, significant_range
 from .amounts import decimals, fixed_point, prefixed, quantities, quantity
-from .cautions import fall_caution, fall_of
+from .cautions import SEATED, fall_caution, fall_of
+from .design_words import and_words
 from .document import Caution, Document, Paragraph, Part, Table, incomplete, paragraphs
 
 if TYPE_CHECKING:
+    from ..measures.landings import Fall
     from ..results.derivatives import Effect, Sensitivity
     from ..results.fit import Fit, FitRecordValues
     from ..studies.methods.compare import Comparison
@@ -66,14 +69,35 @@ def sensitivity(result: Sensitivity, top: int = 8) -> Document:
         f"Measures belong to the {result.part}, in SI units.",
         *(NOTES[kind] for kind in ("change", "unknown") if kind in kinds),
     ]
+    blow: dict[str, Any] = {}
+    if result.fall and (fallen := [name for name in result.measures if name in result.fall.measures]):
+        blow["start_fall"] = {**dataclasses.asdict(result.fall), "measures": fallen}
+        texts.insert(1, blow_of_start(result.fall, fallen))
     notes = (Caution(text, "note", aside=True) for text in _caveats(result))
     status = {} if result.complete else {"status": "interrupted"}
     left_out = {"refused": result.refused, "rounding": sorted(result.rounding)}
-    data = {"model": result.mechanism, "part": result.part, **status, **left_out, "rows": result.rows()}
+    data = {
+        "model": result.mechanism,
+        "part": result.part,
+        **status,
+        **blow,
+        **left_out,
+        "rows": result.rows(),
+    }
     return Document(
         [*incomplete(result.progress, UNCHECKED), table, *paragraphs(texts), *notes],
         f"{result.mechanism}: what its measures depend on",
         data,
+    )
+
+
+def blow_of_start(fall: Fall, names: Sequence[str]) -> str:
+    """Return a sentence on derivatives of measures that the fall of the journals at the start makes."""
+    return (
+        f"{', '.join(names)}: the value is that of the first {1e3 * fall.time:.3g} ms, in which the journals"
+        f" of {and_words(list(fall.joints))} fall from the middle onto their bearings, and so are its"
+        " derivatives: a machine that stands or runs has no such blow. Two turns or more of a crank leave it"
+        f" out, and {SEATED} starts bearings without it."
     )
 
 

@@ -195,7 +195,11 @@ def document(study: Study, cases: bool = False, members: bool = False) -> Docume
         )
     if len(study.failed) > MOST_FAILED:
         parts.append(Paragraph(f"... and {len(study.failed) - MOST_FAILED:,} more; --json has all of them"))
-    data = _data(study) | ({"sampled": study.sampled} if study.sampled else {})
+    data = (
+        _data(study)
+        | {"remarks": remarks_on_turns(study)}
+        | ({"sampled": study.sampled} if study.sampled else {})
+    )
     data |= {"cases": study.rows()} if cases else {}
     if members:
         data["members"] = [{"member": row["case"], **row} for row in study.rows()]
@@ -384,7 +388,6 @@ def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spr
             " former tolerances."
         )
         parts.append(Caution(left_out, "note", aside=True))
-    measures = {spread.measure: _spread(spread) for spread in spreads}
     return Document(
         parts,
         data={
@@ -392,8 +395,9 @@ def tolerances(study: Study, file: str, confidence: float, spreads: Sequence[Spr
             "file": file,
             "confidence": confidence,
             "machines": machines,
-            "measures": measures,
+            "measures": {spread.measure: _spread(spread) for spread in spreads},
             "sensitive": sensitivity_data(study),
+            "remarks": remarks_on_start(study),
         },
     )
 

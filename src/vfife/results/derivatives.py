@@ -6,9 +6,12 @@ import math
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from ..files import DataTable
+
+if TYPE_CHECKING:
+    from ..measures.landings import Fall
 
 # "derivative": finite changes agree with it. "change": they do not, and the change for one per cent is known.
 # "unknown": neither is.
@@ -71,7 +74,7 @@ class Sensitivity(DataTable):
     not agree on: what they depend on the steps decide, so that their derivatives mean nothing. ``rounding``:
     measures that are left out, being rounding beside the largest of their unit. ``part``: of the run that the
     measures are of. One that is not ``complete`` was interrupted: derivatives are missing, and none is
-    checked by finite changes.
+    checked by finite changes. ``fall`` is that of the journals at the start, where it makes largest forces.
     """
 
     mechanism: str
@@ -82,6 +85,7 @@ class Sensitivity(DataTable):
     rounding: frozenset[str] = frozenset()
     part: str = "last turn"
     complete: bool = True
+    fall: Fall | None = None
 
     @property
     def progress(self) -> str:

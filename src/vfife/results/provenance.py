@@ -244,7 +244,9 @@ def restored(
     wall = float(meta.get("wall", 0.0))
     loop = str(meta.get("loop", ""))
     message = str(meta.get("message", ""))
-    return Record(assembly, steps, rows, recorded, wall, loop, status_of(meta, place), message=message)
+    record = Record(assembly, steps, rows, recorded, wall, loop, status_of(meta, place), message=message)
+    record.snaps = tuple((float(start), float(end)) for start, end in meta.get("snaps", ()))
+    return record
 
 
 def final_state(meta: Mapping[str, Any], assembly: Assembly, values: Rows, place: str) -> Rows:

@@ -163,6 +163,8 @@ class Result(RunData):
         meta = {} if file.knows("meta", "kept") else self._meta()
         if record.estimate is not None:
             meta["estimate"] = dataclasses.asdict(record.estimate)
+        if record.snaps:
+            meta["snaps"] = record.snaps
         file.finish(
             record.status, self.summary, **meta, wall=record.wall, loop=record.loop, message=record.message
         )

@@ -237,6 +237,7 @@ class Record:
     ``reached`` is the last step made, ``burst`` where the run diverged.
     ``checkpoint`` is the state from which it goes on, with that of its companions, where no file has it.
     ``turn_ends`` are those of a record of one turn that begins and ends between two outputs.
+    ``snaps`` are the pairs of load factors between which a structure in static analysis became unstable.
     """
 
     assembly: Assembly
@@ -260,6 +261,7 @@ class Record:
         default=None, repr=False, compare=False
     )  # where blocks stand, which records of one layout may share
     turn_ends: TurnEnds | None = field(default=None, repr=False, compare=False)
+    snaps: tuple[tuple[float, float], ...] = ()
     cache: BlockCache | None = field(default=None, init=False, repr=False, compare=False)
 
     def __repr__(self) -> str:

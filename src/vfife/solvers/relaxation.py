@@ -225,6 +225,9 @@ LOOKS, ANGLE = 4, 0.4
 # Iterations between two outputs: fewest, most, and most if contacts may begin, whose stiffness is not known
 # before.
 SHORTEST, LONGEST, LONGEST_BEFORE_CONTACT = 8, 4000, 50
+# Iterations between two outputs up to which each iteration is looked at: a stiff mechanism snaps through in
+# fewer.
+CLOSE = 64
 # Factor by which masses may be too small, OMEGA being 3.6 of 4, before a chunk is repeated with larger ones.
 TOO_LIGHT = 1.1
 # Bodies that only loads hold move by the size over this number in the first iteration.
@@ -313,6 +316,7 @@ class Relaxation:
         self.mass, self.inertia = np.zeros(assembly.topology.particles), np.zeros(assembly.topology.particles)
         self.pace = ChunkSize()
         self.frequency, self.iterations, self.kinetic, self.kinetic_max = 0.0, 0, 0.0, 0.0
+        self.fallen, self.snaps = 0.0, list[tuple[float, float]]()
         self.between = SHORTEST
         self.reweigh()
 
@@ -364,6 +368,7 @@ class Relaxation:
         """What it takes to go on, besides S, for JSON."""
         numbers = {name: getattr(self, name) for name in CHECKPOINT_NUMBERS}
         arrays = {name: getattr(self, name).tolist() for name in ("mass", "inertia", "pressed")}
+        arrays["snaps"] = self.snaps
         return {**numbers, **arrays, "done": self.runner.done, "functions": self.runner.functions.tolist()}
 
     def restore(self, state: Array, rows: NDArray[np.intp], checkpoint: Mapping[str, Any]) -> None:
@@ -373,6 +378,7 @@ class Relaxation:
             setattr(self, name, checkpoint[name])
         for name in ("mass", "inertia", "pressed"):
             setattr(self, name, np.array(checkpoint[name], dtype=float))
+        self.snaps = [(start, end) for start, end in checkpoint.get("snaps", ())]
         self.runner.done, self.runner.functions[:] = checkpoint["done"], checkpoint["functions"]
 
     def zero_velocities(self) -> None:
@@ -393,9 +399,11 @@ class Relaxation:
         """
         while True:
             start = self.state.copy()
-            rows = self.pace.advance(self.runner, self.between, LOOKS)[:, :, 0]
+            interval = 1 if self.between <= CLOSE else self.between
+            rows = self.pace.advance(self.runner, interval, LOOKS * self.between // interval)[:, :, 0]
             self.iterations += LOOKS * self.between
-            looks = rows[:, : 3 * len(self.places)].reshape(LOOKS, 3, -1)
+            path = rows[:, : 3 * len(self.places)].reshape(len(rows), 3, -1)
+            looks = path[self.between // interval - 1 :: self.between // interval]
             with np.errstate(invalid="ignore"):
                 self.pressed = np.nan_to_num(
                     np.sqrt(rows[:, 3 * len(self.places) :].max(axis=0)), nan=1e300, posinf=1e300
@@ -410,6 +418,7 @@ class Relaxation:
             self.zero_velocities()
             self.between = max(SHORTEST, self.between // 4)
         mass = 1.0 / self.state[self.inverse]
+        self._follow(path[:, 0], path[:, 2], mass)
         place, speed, push = looks[:, 0], looks[:, 1], looks[:, 2]
         energy = 0.5 * times(speed * speed, mass)
         self.kinetic, self.kinetic_max = float(energy[-1]), max(self.kinetic_max, float(energy.max()))
@@ -428,6 +437,23 @@ class Relaxation:
         """Kinetic energy over the largest so far; 0 if it is rounding."""
         energy = self.kinetic
         return energy / self.kinetic_max if energy > self.rounding(1.0 / self.state[self.inverse]) else 0.0
+
+    def _follow(self, place: Array, push: Array, mass: Array) -> None:
+        """Add to ``fallen`` how far (:meth:`way`) a chunk moves against a negative stiffness: ``place`` and
+        ``push`` have the shape (looks, coordinates).
+        """
+        with np.errstate(invalid="ignore", over="ignore"):
+            moved, change = np.diff(place, axis=0), np.diff(push, axis=0)
+            unstable = times(moved * change, mass) > 0.0
+            unstable &= times(moved * moved, mass) > self.rounding(mass)
+            self.fallen += float(self.way(moved)[unstable].sum())
+
+    def way(self, moved: Array) -> Array:
+        """Return the largest of the displacements (sizes of the mechanism) and turns (rad) of all free
+        coordinates; these are the last axis of ``moved``.
+        """
+        scale = np.where(self.turning, 1.0, self.size)
+        return np.asarray((np.abs(moved) / scale).max(axis=-1, initial=0.0))
 
     def _damp(self, square: float) -> None:
         """Set the critical damping for a frequency from its estimated square (rad/iteration)^2; the frequency

@@ -34,6 +34,9 @@ LOOK_SECONDS = 0.25  # between two progress lines
 TRIES = 4  # of a load factor, each with larger masses, if joints open
 # Ratio of forces to loads from which links in line are taken to carry a load across, which they cannot.
 BEYOND_LOADS = 100.0
+# Share of a way from which a structure that moves against a negative stiffness has snapped through: 0.08 to
+# 0.7 where trusses, toggles, presses and Lee's frame do, 0 on stable paths (tests/solvers/test_statics.py).
+SNAPPED = 0.02
 ESCAPE_DISTANCE = 100.0  # distance from the start, in sizes of the mechanism, beyond which nothing holds it
 STATE_OF_REST = ("u", "v", "w", "ax", "ay", "aw")
 MEANINGLESS = (
@@ -107,6 +110,7 @@ def equilibrium(
     record.source, record.steps = np.array(rows), np.arange(len(rows), dtype=np.int64)
     record.wall, record.reached = earlier + time.perf_counter() - began, len(rows) - 1
     record.final = relaxation.state.copy() if record.status == Status.COMPLETE else None
+    record.snaps = tuple(relaxation.snaps)
     if record.message and file is not None:
         file.event(len(rows) - 1, record.message)
     return record
@@ -148,11 +152,18 @@ class Stage:
         self.first = relaxation.iterations
         self.ratio = 0.0
         self.start = relaxation.state[relaxation.places].copy()
+        relaxation.fallen = 0.0
 
     @property
     def done(self) -> int:
         """Number of iterations so far."""
         return self.relaxation.iterations - self.first
+
+    @property
+    def snapped(self) -> bool:
+        """Whether a share of the way to this load factor went against a negative stiffness."""
+        way = self.relaxation.way(self.relaxation.state[self.relaxation.places] - self.start)
+        return self.relaxation.fallen > SNAPPED * float(way)
 
     def run(self, settings: Settings) -> tuple[Status, str] | None:
         """Go to the load factor and relax. Returns status and message if no equilibrium is found, else
@@ -176,7 +187,11 @@ class Stage:
             at_rest = relaxation.kinetic_share <= settings.kinetic_energy
             earlier = relaxation.balance(pushes[BEFORE_LAST]).ratio
             if max(self.ratio, earlier) <= settings.residual and at_rest:
-                return (Status.DIVERGED, self._joints_open()) if self._in_line() else None
+                if self._in_line():
+                    return Status.DIVERGED, self._joints_open()
+                if self.snapped:
+                    relaxation.snaps.append((self.old, self.new))
+                return None
 
     def _advance(self, start: float, end: float, count: int) -> None:
         self.loading.go(self.relaxation, start, end, count)

@@ -21,6 +21,7 @@ from ...job.cost import LANES, MOST_TRIES, TANGENTS, Forecast, cores, run_cost, 
 from ...job.job import Interrupted, Job, job_of
 from ...job.progress import counted
 from ...measures.catalogue import INFLUENCE, OVER_TURN, PEAKS, compared, over_turn
+from ...measures.landings import start_fall
 from ...measures.repetition import part_of
 from ...measures.turns import last_turn
 from ...model.mechanism import Mechanism
@@ -170,8 +171,9 @@ def differentiate(
         if names.keys() & by_measure[group].keys() or (relative and group in PEAKS)
     )
     measures = tuple(needed) or PEAKS
+    fall = start_fall(record, reference or {}, result.motion)
     if (answer := undetermined(result, values, names, measures)) is not None:
-        return dataclasses.replace(answer, refused=refused)
+        return dataclasses.replace(answer, refused=refused, fall=fall)
     variants = Variants(text, record.assembly)
     directions, without_neighbours = variants.directions(chosen)
     refused = {**refused, **without_neighbours}
@@ -193,7 +195,9 @@ def differentiate(
     significant = {name: value for name, value in names.items() if name not in remainders}
     unsure, part = doubtful(result, significant, measures), part_of(record, None)
     mechanism = record.assembly.mechanism.name
-    answer = Sensitivity(mechanism, significant, derivatives, refused, unsure, remainders, part, complete)
+    answer = Sensitivity(
+        mechanism, significant, derivatives, refused, unsure, remainders, part, complete, fall
+    )
     answer.derivatives = [
         derivative
         for derivative in derivatives
