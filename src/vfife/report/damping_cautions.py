@@ -140,16 +140,16 @@ def law_words(dependent: Collection[str], shocks: Collection[str], loads: Iterab
     """Return which forces the contact law decides: of the joints ``dependent`` more than the step does, of
     ``shocks`` as the step does, and of all ``loads`` that these shocks make.
     """
-    several = len(dependent) + len(shocks) > 1
+    plural = len(dependent) + len(shocks) > 1
     passed = ", ".join(load_words(loads))
-    loaded = [f"all that {'they load' if several else 'it loads'} ({passed})"] * bool(passed)
+    loaded = [f"all that {'they load' if plural else 'it loads'} ({passed})"] * bool(passed)
     if not dependent:
         force = "forces" if len(shocks) > 1 else "force"
         objects = " and ".join([f"the {force} of {', '.join(shocks)}", *loaded])
         return f"The contact law decides {objects}, too"
-    others = [f"{'those' if len(shocks) > 1 else 'that'} of {', '.join(shocks)}"] * bool(shocks) + loaded
-    do = "does" if len(others) == 1 and len(shocks) < 2 else "do"
-    too = f", and so {do} {' and '.join(others)}" * bool(others)
+    rest = [f"{'those' if len(shocks) > 1 else 'that'} of {', '.join(shocks)}"] * bool(shocks) + loaded
+    do = "does" if len(rest) == 1 and len(shocks) < 2 else "do"
+    too = f", and so {do} {' and '.join(rest)}" * bool(rest)
     force, depend = ("forces", "depend") if len(dependent) > 1 else ("force", "depends")
     return f"The {force} of {', '.join(dependent)} {depend} more on the contact law than on the step{too}"
 
