@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from ..laws.contact.forms import PointContact
 from ..measures.forces import ground_joints
 from ..measures.turn_peaks import (
+    PASSED,
     RAISED,
     DampedPeaks,
     RaisedPeaks,
@@ -112,7 +113,7 @@ def load_cautions(result: RunData, sources: Collection[str]) -> dict[str, str]:
     struck = {*sources, *(name.removesuffix(".force.max") for name in loads)}
     if struck & {*ground_joints(result.record)}:
         loads += [
-            name for name in SHAKING if result.measures.get(name, 0.0) > RAISED * ideal.get(name, 1e300)
+            name for name in SHAKING if result.measures.get(name, 0.0) > PASSED * ideal.get(name, 1e300)
         ]
     if not loads:
         return {}
