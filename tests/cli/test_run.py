@@ -47,6 +47,10 @@ KEYS = {
     "ground",
     "not_estimated",
     "trust",
+    "warnings",
+    "law_dependent",
+    "law_shocks",
+    "law_loads",
 }
 ELASTIC = ROOT / "examples" / "elastic_pendulum.toml"
 
@@ -59,6 +63,9 @@ def test_standard_output_is_one_object(process: Callable, tmp_path: Path) -> Non
     assert began.returncode == 0, err
     said = json.loads(out)
     assert set(said) == KEYS
+    assert said["warnings"] == said["notes"][len(said["notes"]) - len(said["warnings"]) :]
+    summary = json.loads((tmp_path / said["run"] / "summary.json").read_text(encoding="utf-8"))
+    assert all(said[key] == summary[key] for key in ("law_dependent", "law_shocks", "law_loads"))
     assert (said["status"], said["step"], said["steps"]) == ("complete", 2e-6, 30000)
     assert (tmp_path / said["run"] / "run.sqlite").is_file()
     assert all(isinstance(value, float) and math.isfinite(value) for value in said["measures"].values())

@@ -33,6 +33,7 @@ from vfife.report.damping_cautions import (
     damping_cautions,
     law_change,
     load_words,
+    raised_loads,
     shock_cautions,
 )
 from vfife.report.document import Table
@@ -204,6 +205,59 @@ def test_forces_that_step_and_law_decide_are_named_with_what_they_load() -> None
     assert "than on the step, and so do those of big-end" in mixed
     lone = {**summary, "law_shocks": {"big-end": summary["law_shocks"]["big-end"]}, "law_loads": {}}
     assert "The contact law decides the force of big-end, too: see caution" in certainty(lone)
+
+
+ROCKER = """
+gravity = [0, "-9.81 m/s^2"]
+ground = { A = [0, 0], D = ["300 mm", 0] }
+driver = { crank = { speed = "400 rpm" } }
+[body]
+crank = { length = "80 mm", mass = "0.8 kg" }
+coupler = { length = "250 mm", mass = "1.5 kg", angle = "40 deg" }
+rocker = { length = "200 mm", mass = "2 kg", angle = "100 deg" }
+[joint]
+A = { bearing = "ground.A", journal = "crank.start" }
+D = { bearing = "ground.D", journal = "rocker.start" }
+"""
+PIN = """
+[joint.%s]
+kind = "clearance"
+bearing = "coupler.%s"
+journal = "%s.end"
+clearance = "20 um"
+bearing_radius = "10 mm"
+axial_length = "20 mm"
+contact = { law = "lankarani-nikravesh", restitution = 0.7 }
+friction = { law = "ambrosio", coefficient = 0.08, v0 = "1 mm/s", v1 = "10 mm/s" }
+"""
+
+
+@cache
+def rocker(journals: str = "centred", clearance: str = "20 um") -> Result:
+    """A crank-rocker whose pins B and C never leave their bearings once they have landed."""
+    text = ROCKER + PIN % ("B", "start", "crank") + PIN % ("C", "end", "rocker")
+    changes = [("start.journals", journals), *((f"joint.{name}.clearance", clearance) for name in "BC")]
+    return vfife.simulate(loads(text, set=changes), turns=8)
+
+
+def test_loads_far_above_the_ideal_ones_are_named_where_contacts_never_end() -> None:
+    """The start moves the torque by 15 %, although no shock of B or C coincides with it."""
+    result, seated = rocker(), rocker("seated")
+    summary, torque = result.summary, result.measures["crank.torque.max"]
+    assert summary["law_dependent"] == {"B": 0, "C": 0} and summary["law_loads"] == {"crank.torque.max": 0}
+    assert "exceeds its ideal value by more than a tenth: torque of crank." in summary["warnings"][0]
+    assert "all that they load (torque of crank): see caution 1." in certainty(summary)
+    assert seated.measures["crank.torque.max"].high < 0.9 * torque.low
+
+
+def test_each_load_of_contacts_that_never_end_is_named_by_its_size() -> None:
+    """A, whose force is 8 % above the ideal one, is none of them; nothing is without the ideal mechanism."""
+    result = rocker(clearance="50 um")
+    assert set(result.summary["law_loads"]) == {
+        "D.force.max", "crank.torque.max", "ground.shaking_moment.max"
+    }  # fmt: skip
+    alone = SimpleNamespace(record=result.record, reference=None, measures=result.measures)
+    assert raised_loads(alone) == []
 
 
 def test_counts_are_those_of_the_forces_of_each_turn() -> None:

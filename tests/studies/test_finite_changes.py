@@ -146,6 +146,32 @@ def test_where_changes_of_a_tenth_of_a_per_cent_contradict_a_derivative_it_does_
     assert judged([2.0] * 3, changed([1.0] * 3, [1.02] * 3, [0.98] * 3, close=5.0)).kinds["f"] == "change"
 
 
+# The largest torque (N m) of a crank-rocker with two loose pins by the length (m) of its crank, at four step
+# sizes: changes of the measure over those of the number, to both sides.
+JUMP = {
+    0.01: [-318.0, -312.0, -308.0, -301.0], -0.01: [941.0, 946.0, 952.0, 948.0],
+    0.001: [1018.0, 1029.0, 983.0, 974.0], -0.001: [4325.0, 4121.0, 38990.0, 38937.0],
+}  # fmt: skip
+
+
+def of_quotients(quotients: dict[float, list[float]]) -> FiniteChanges:
+    """Changes of a measure "f", 0 at "p" of 1, with these ``quotients`` by the share of the change."""
+    changed = {("p", share): [{"f": share * one} for one in some] for share, some in quotients.items()}
+    return FiniteChanges([{"f": 0.0}] * 4, changed)
+
+
+def test_a_derivative_does_not_hold_where_the_mean_of_both_directions_hides_a_jump():
+    """The mean of +1 % and -1 % is 317 N m/m, inside the range of the derivatives. The torque falls with +1 %
+    and with -1 %, and jumps within -0.1 %.
+    """
+    slopes = [813.0, 1053.0, 983.0, 872.0, 707.0]
+    assert judged(slopes, of_quotients(JUMP)).kinds["f"] == "unknown"
+    smooth = {0.01: JUMP[0.01], -0.01: JUMP[-0.01], 0.001: [254.0] * 4, -0.001: [380.0] * 4}
+    assert judged([317.0, 318.0, 316.0], of_quotients(smooth)).kinds["f"] == "derivative"
+    kink = smooth | {0.001: JUMP[0.01], -0.001: JUMP[-0.01]}
+    assert judged([317.0, 318.0, 316.0], of_quotients(kink)).kinds["f"] == "unknown"
+
+
 @pytest.mark.parametrize(
     ("slopes", "up", "down"),
     [

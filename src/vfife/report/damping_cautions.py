@@ -14,12 +14,14 @@ from typing import TYPE_CHECKING
 from ..laws.contact.forms import PointContact
 from ..measures.forces import ground_joints
 from ..measures.turn_peaks import (
+    LEAST_LOAD,
     PASSED,
     RAISED,
     DampedPeaks,
     RaisedPeaks,
     contact_laws,
     damped_peaks,
+    peak_columns,
     raised_peaks,
     shock_loads,
 )
@@ -43,6 +45,7 @@ SENSITIVE_FORCE = 0.1
 # by more than a narrow range. At 1.34 times the ideal force damped laws agreed within 4 % (four_bar,
 # four_bar_case_c), at 1.42 times within 24 % (the template slider-crank).
 SHOCK = 1.4
+ENDINGS, ACTUATOR = ("force.max", "moment.max", "torque.max"), ".actuator_"
 SHAKING = "ground.shaking_force.max", "ground.shaking_moment.max"
 # Laws of a comparison, from no loss of energy to much.
 COMPARED = "hertz", "lankarani-nikravesh", "gonthier"
@@ -123,6 +126,26 @@ def load_cautions(result: RunData, sources: Collection[str]) -> dict[str, str]:
         " laws."
     )
     return dict.fromkeys(loads, text)
+
+
+def raised_loads(result: RunData) -> list[str]:
+    """Return the measures of forces of joints, moments, torques, actuators and shaking forces that exceed
+    those of the ideal mechanism by more than a tenth; none without that mechanism, and of statics.
+    """
+    if result.reference is None or result.record.static:
+        return []
+    ideal, measures = result.reference.measures, result.measures
+    names = [*peak_columns(result.record), *(name for name in measures if ACTUATOR in name)]
+    groups = [[name for name in names if name.endswith(ending)] for ending in ENDINGS]
+    loads = [
+        name
+        for group in (*groups, SHAKING[:1], SHAKING[1:])
+        for name in group
+        if name in measures and name in ideal
+        if measures[name] > PASSED * ideal[name]
+        if measures[name] > LEAST_LOAD * max(measures.get(one, 0.0) for one in group)
+    ]
+    return sorted(loads, key=[*names, *SHAKING].index)
 
 
 def load_words(loads: Iterable[str]) -> list[str]:

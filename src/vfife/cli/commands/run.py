@@ -53,7 +53,8 @@ if TYPE_CHECKING:
 
 RESULT_KEYS = ("status", "step", "steps", "wall_s", "ns_per_step", "energy_error")
 SUMMARY_KEYS = (
-    "turns", "part", "measures", "ranges", "not_unique", "not_estimated", "about_zero", "ground", "trust"
+    "turns", "part", "measures", "ranges", "not_unique", "not_estimated", "about_zero", "ground", "trust",
+    "warnings", "law_dependent", "law_shocks", "law_loads", "start_fall", "meshes_not_covered",
 )  # fmt: skip
 NOT_STARTED = "The run had not made a step, so there is nothing to keep."
 
@@ -248,7 +249,7 @@ def conclude(result: Result, place: RunFolder, options: AnswerOptions) -> None:
             "loop": record.loop,
             "notes": [*place.notes, *([cached] if cached else []), *warnings],
         }
-        data |= {key: result.summary[key] for key in SUMMARY_KEYS}
+        data |= {key: result.summary[key] for key in SUMMARY_KEYS if key in result.summary}
         print_json(data | {"faults": [{"what": ending.sentence}] if ending.sentence else []})
     elif not options.quiet:
         show(result, place, options)
