@@ -423,3 +423,16 @@ def test_the_forecast_of_wear_has_the_time_of_worn_surfaces(monkeypatch: pytest.
     monkeypatch.setattr(WearSimulation, "rate", lambda self, depth: np.full_like(depth, 1e-12))
     found = simulate_wear.wear_forecast(loose_pin(), 1e4, clearance=1.0)
     assert found.seconds == pytest.approx(3.0 * found.count * 8)
+
+
+def test_the_second_forecast_of_sensitivities_lies_in_the_range_of_the_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """After a run whose automatic step was halved, derivatives take that step: nothing is halved again."""
+    forecasts = list[cost.Forecast]()
+    monkeypatch.setattr(Job, "begin", lambda self, forecast: forecasts.append(forecast))
+    monkeypatch.setattr("vfife.studies.methods.derivatives.differentiate", lambda *of: of)
+    vfife.sensitivity(gallery.slider_crank_loose_pin(), None, ["joint.*"], turns=1)
+    first, second = forecasts
+    assert first.ends is not None and second.ends is None and second.note == ""
+    assert second.seconds < first.ends[1]

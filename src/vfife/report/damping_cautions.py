@@ -143,7 +143,7 @@ def raised_loads(result: RunData) -> list[str]:
         for name in group
         if name in measures and name in ideal
         if measures[name] > PASSED * ideal[name]
-        if measures[name] > LEAST_LOAD * max(measures.get(one, 0.0) for one in group)
+        if measures[name] > LEAST_LOAD * max(measures.get(load, 0.0) for load in group)
     ]
     return sorted(loads, key=[*names, *SHAKING].index)
 

@@ -132,7 +132,9 @@ def sensitivity(
         assembly = result.record.assembly
         if assembly.choice.steps > prepared.assembly.choice.steps:  # derivatives take as many steps more
             longer = forecast(dataclasses.replace(prepared, assembly=assembly), mechanism, count, runs)
-            job.begin(dataclasses.replace(longer, note=""))
+            # The step of the run is found: it is halved no more.
+            seconds = longer.seconds if longer.ends is None else longer.ends[0]
+            job.begin(dataclasses.replace(longer, seconds=seconds, note="", ends=None))
         return differentiate(dump(mechanism), result, of, chosen, runs, job, refused)
 
 
