@@ -242,13 +242,13 @@ def test_a_case_whose_turns_repeat_in_pairs_is_measured_over_pairs(monkeypatch, 
     if not streaming:
         monkeypatch.setattr(engine, "streams", lambda *_: False)
     numbers = [{"joint.C.clearance": value} for value in ALTERNATING["joint.C.clearance"]]
-    spec = CaseSpec(POWER, 40, settle=0.01, whole_periods=True)
+    spec = CaseSpec(POWER, 40, settle=0.01, period_means=True)
     found = dict(run_cases(pairing(), numbers, spec))
     assert [(found[k].period, found[k].measured_turns) for k in (0, 1)] == [(1, 1), (2, 2)]
     run = simulate(pairing("0.25 mm"), turns=40, settle=0.01, companions=0)
     for name in POWER:
         assert found[1].values[name] == run.measures[name].value
-    single = dict(run_cases(pairing(), numbers, dataclasses.replace(spec, whole_periods=False)))
+    single = dict(run_cases(pairing(), numbers, dataclasses.replace(spec, period_means=False)))
     assert single[0].values == found[0].values and not found[0].ranges
     # Single turns: 1176 and 1368 N, -0.7 and 7.2 W.
     assert abs(single[1].values["C.force.max"] / found[1].values["C.force.max"] - 1.0) > 0.05

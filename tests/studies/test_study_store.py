@@ -301,7 +301,7 @@ def test_a_study_with_other_turns_of_its_means_is_another_one(
     asked.write_text(ASKED.replace("turns = 2", 'turns = 2\nsettle = "1 %"\nlast = 1'))
     vfife.study(asked, file=path)
     with StudyFile.open(path) as file:
-        assert "whole_periods" not in file.meta["study"]["wanted"]
+        assert "period_means" not in file.meta["study"]["wanted"]
     asked.write_text(ASKED.replace("turns = 2", 'turns = 2\nsettle = "1 %"'))
     with pytest.raises(VfifeError, match="measures one turn where turns alternate.*last = 1"):
         vfife.study(asked, file=path)

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections import Counter
-from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING, Any
 
-from ..job.progress import counted
 from ..numerics.outward import UP
 from ..results.case_errors import NOT_ESTIMATED, turn_changes, uncertain_ranges
 from ..solvers.companions import SENSITIVE
@@ -79,8 +76,8 @@ def part_words(study: Study) -> str:
     plan = study.request["wanted"]
     if plan["last"] > 1:
         return f"the last {plan['last']} turns (means)"
-    whole = any(is_mean_of_period(outcome) for outcome in study.outcomes.values())
-    return "the last turn, or of whole periods (means)" if whole else "the last turn"
+    has_means = any(is_mean_of_period(outcome) for outcome in study.outcomes.values())
+    return "the last turn, or of whole periods (means)" if has_means else "the last turn"
 
 
 def turn_words(study: Study) -> str:
@@ -90,7 +87,7 @@ def turn_words(study: Study) -> str:
     return f"{until}; measures are of {part_words(study)}"
 
 
-def is_mean_of_period(outcome: Mapping[str, Any]) -> bool:
+def is_mean_of_period(outcome: Any) -> bool:
     """Return whether measures of a case are means over a period of several turns."""
     period, turns = outcome.get("period"), outcome.get("measured_turns")
     return period is not None and period > 1 and turns is not None and turns % period == 0
@@ -108,33 +105,35 @@ def periods(study: Study) -> dict[str, int] | None:
     """
     if study.request["wanted"].get("settle") is None:
         return None
-    counts = Counter[str]()
+    counts: dict[str, int] = {}
     for outcome in study.outcomes.values():
         if outcome["status"] == "complete":
-            other = "none" if is_without_period(outcome) else "unknown"
-            counts[other if outcome.get("period") is None else str(outcome["period"])] += 1
+            period = outcome.get("period") or ("none" if is_without_period(outcome) else "unknown")
+            counts[str(period)] = counts.get(str(period), 0) + 1
     return dict(sorted(counts.items()))
 
 
-def is_without_period(outcome: Mapping[str, Any]) -> bool:
+def is_without_period(outcome: Any) -> bool:
     """Return whether a case with ``settle`` is complete, and its turns do not repeat."""
     return bool(outcome["status"] == "complete" and outcome["settled"] is None)
 
 
 def period_remarks(study: Study) -> list[str]:
     """Return a sentence on cases that repeat with a period of several turns, and what their measures are."""
-    means = {k: one["period"] for k, one in study.outcomes.items() if is_mean_of_period(one)}
+    means = {k: outcome["period"] for k, outcome in study.outcomes.items() if is_mean_of_period(outcome)}
     if not means:
         return []
-    counts = sorted(Counter(means.values()).items())
-    of_period = [f"{count:,} of period {period}" for period, count in counts]
+    periods_of_means = list(means.values())
+    of_period = [
+        f"{periods_of_means.count(period):,} of period {period}" for period in sorted(set(periods_of_means))
+    ]
     return [
-        f"Turns alternate in {len(means):,} of {counted(len(study.done), 'case')} ({', '.join(of_period)}):"
+        f"Turns alternate in {len(means):,} of {len(study.done):,} cases ({', '.join(of_period)}):"
         f" their measures are means over whole periods{difference_words(study, means)}."
     ]
 
 
-def difference_words(study: Study, numbers: Collection[int]) -> str:
+def difference_words(study: Study, numbers: list[int] | dict[int, Any]) -> str:
     """Return which of the cases of these ``numbers`` has the turns that are farthest apart, and how far; ""
     where none differ.
     """
@@ -156,7 +155,7 @@ def turn_cautions(study: Study) -> list[str]:
     if not changes or plan["last"] > 1:
         return []
     return [
-        f"Turns differ: in {len(changes):,} of {counted(len(study.done), 'case')} a measure differs between"
+        f"Turns differ: in {len(changes):,} of {len(study.done):,} cases a measure differs between"
         f" the last turns by more than {100.0 * SENSITIVE:g} %{difference_words(study, changes)}. Values are"
         ' of the last turn alone: settle = "1 %" goes on until turns repeat and measures whole periods,'
         " last = N takes means."
@@ -168,7 +167,7 @@ def settling_cautions(study: Study) -> list[str]:
     those that do not repeat, and of those of former versions.
     """
     plan, outcomes, texts = study.request["wanted"], study.outcomes, list[str]()
-    count = f"of {counted(len(study.done), 'case')}"
+    count = f"of {len(study.done):,} cases"
     uncertain = uncertain_ranges(plan, outcomes)
     if parts := [number for number in uncertain if outcomes[number]["period"] is not None]:
         texts.append(
@@ -181,7 +180,7 @@ def settling_cautions(study: Study) -> list[str]:
         values = single if plan["last"] == 1 else f"values are means over the last {plan['last']} turns"
         texts.append(
             f"Not settled: turns of {len(left):,} {count} do not repeat within"
-            f" {counted(plan['turns'], 'turn')}{difference_words(study, left)}. Their {values}; last = N"
+            f" {plan['turns']:,} turns{difference_words(study, left)}. Their {values}; last = N"
             " takes means over more turns."
         )
     if former := (periods(study) or {}).get("unknown"):

@@ -114,15 +114,15 @@ def has_single_turn(outcome: Mapping[str, Any]) -> bool:
     return bool(outcome.get("ranges")) and (period is None or turns % period != 0)
 
 
-def uncertain_ranges(wanted: Mapping[str, Any], outcomes: Outcomes) -> dict[int, Mapping[str, float]]:
+def uncertain_ranges(request: Mapping[str, Any], outcomes: Outcomes) -> dict[int, Mapping[str, float]]:
     """Return by how much measures differ between turns, by number of the cases with ``settle`` whose measures
     are of one turn although turns do not repeat one by one: their values are as uncertain.
 
-    ``wanted``: what is computed of each case.
+    ``request``: what is computed of each case.
     """
-    if wanted.get("settle") is None:
+    if request.get("settle") is None:
         return {}
-    return {number: one["ranges"] for number, one in outcomes.items() if has_single_turn(one)}
+    return {number: outcome["ranges"] for number, outcome in outcomes.items() if has_single_turn(outcome)}
 
 
 def turn_changes(cases: Outcomes, outcomes: Outcomes) -> dict[int, dict[str, float]]:

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 OUTCOME = ("status", "turns", "settled", "period", "step", "reason")
-WHOLE = dict.fromkeys(("turns", "settled", "period"), "1")  # numbers of turns, with their units
+TURN_COUNTS = dict.fromkeys(("turns", "settled", "period"), "1")  # numbers of turns, with their units
 WRITTEN_VALUES = ("values", "from", "to", "nominal", "mean")  # keys of a parameter whose unit is shown
 SAMPLE, CASE = "sample", "case"  # dimensions of what lies on no grid
 
@@ -324,10 +324,10 @@ class Study(DataTable):
         import xarray
 
         dims = tuple(self.axes)
-        arrays = {name: self.laid_out(name) for name in (*self.measures, *WHOLE, "step")}
+        arrays = {name: self.laid_out(name) for name in (*self.measures, *TURN_COUNTS, "step")}
         status = np.full(tuple(len(values) for values in self.axes.values()), "left", dtype=object)
         status[self._axis_indices] = [str(self.outcomes[case.number]["status"]) for case in self.done]
-        units = {**self.measures, **WHOLE, "step": "s"}
+        units = {**self.measures, **TURN_COUNTS, "step": "s"}
         variables: dict[str, Any] = {
             name: (dims, values, {"units": units[name], **self.error_attributes(name)})
             for name, values in arrays.items()
@@ -445,7 +445,7 @@ class Study(DataTable):
         """
         rows, units = self.rows(), {parameter.name: parameter.unit for parameter in self.parameters}
         units |= {**self.measures, "step": "s"}
-        kinds: dict[str, type] = dict.fromkeys(("case", *WHOLE), int) | dict.fromkeys(
+        kinds: dict[str, type] = dict.fromkeys(("case", *TURN_COUNTS), int) | dict.fromkeys(
             ("status", "reason"), str
         )
         kinds |= dict.fromkeys((*self.measures, "step"), float)

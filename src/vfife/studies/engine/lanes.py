@@ -203,8 +203,8 @@ def turns_measured(spec: CaseSpec, settling: Settling | None) -> int:
     """Return over how many turns at the end the measures of a case are means."""
     if settling is None:
         return spec.last
-    whole = settling.turns_of_period() if spec.whole_periods else 1
-    return whole if whole > 1 else settling.turns_of_means(spec.last)
+    count = settling.turns_of_period() if spec.period_means else 1
+    return count if count > 1 else settling.turns_of_means(spec.last)
 
 
 def turns_compared(spec: CaseSpec, settling: Settling | None, turns: int) -> int:
@@ -219,7 +219,7 @@ def turns_compared(spec: CaseSpec, settling: Settling | None, turns: int) -> int
     if spec.last > 1:
         parts = settling is not None and period is not None and settling.turns_of_means(spec.last) % period
         return period if period is not None and parts else 0
-    if settling is not None and spec.whole_periods and period is not None:
+    if settling is not None and spec.period_means and period is not None:
         return settling.turns_of_period()
     return min(max(COMPARED_TURNS, period or 0), max(turns - 1, 2))
 

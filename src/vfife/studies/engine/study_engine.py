@@ -92,7 +92,7 @@ def difference(saved: Mapping[str, Any], description: Mapping[str, Any]) -> str:
     if saved["text"] != description["text"]:
         return "is that of another model"
     spec, saved_spec = (CaseSpec.of(source["wanted"]) for source in (description, saved))
-    if dataclasses.replace(saved_spec, whole_periods=spec.whole_periods) == spec != saved_spec:
+    if dataclasses.replace(saved_spec, period_means=spec.period_means) == spec != saved_spec:
         return (
             "measures one turn where turns alternate, as former versions did and last = 1 does, or whole"
             " periods, as settle without last does"

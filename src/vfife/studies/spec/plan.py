@@ -142,8 +142,8 @@ class StudySpec:
         """Return the part of the specification that the engine needs."""
         step = None if self.step == "auto" else float(self.step)
         length = self.turns, self.settle, self.last or 1, step, self.duration
-        whole = self.last is None and self.settle is not None
-        return CaseSpec(tuple(self.measures), *length, self.counts, whole)
+        period_means = self.last is None and self.settle is not None
+        return CaseSpec(tuple(self.measures), *length, self.counts, period_means)
 
 
 @dataclass(frozen=True)
@@ -152,7 +152,7 @@ class CaseSpec:
 
     A case makes ``turns`` turns, or fewer if they repeat within ``settle`` (1), or lasts for a ``duration``
     (s). ``step`` (s): None for the automatic step of each case. ``counts``: whether contacts are counted over
-    the whole "case" or the "last" turns. ``whole_periods``: cases whose turns repeat with a period of several
+    the whole "case" or the "last" turns. ``period_means``: cases whose turns repeat with a period of several
     turns are measured over whole periods instead.
     """
 
@@ -163,7 +163,7 @@ class CaseSpec:
     step: float | None = None
     duration: float | None = None
     counts: str = CASE
-    whole_periods: bool = False
+    period_means: bool = False
 
     @property
     def length(self) -> dict[str, Any]:
@@ -174,7 +174,7 @@ class CaseSpec:
     def fields(self) -> dict[str, Any]:
         """The fields as JSON has them, without defaults that former versions lack."""
         fields = {**dataclasses.asdict(self), "measures": list(self.measures)}
-        defaults = ("counts", CASE), ("whole_periods", False)
+        defaults = ("counts", CASE), ("period_means", False)
         return {name: value for name, value in fields.items() if (name, value) not in defaults}
 
     @classmethod
