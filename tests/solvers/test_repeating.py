@@ -128,7 +128,7 @@ def test_a_run_of_few_turns_is_told_by_its_last_period() -> None:
     assert math.isnan(say(x[:1]).distance)
 
 
-def test_means_are_over_whole_periods() -> None:
+def test_means_are_over_period_means() -> None:
     found = say(np.array([9.0, *[1.0, 2.0, 3.0] * 6, 1.0]))
     assert found.period == 3 and (found.last - found.first + 1) % 3 == 0 and found.first > found.since - 1 > 3  # type: ignore[operator]
 

@@ -16,10 +16,12 @@ import numpy as np
 import pytest
 
 from fake_card import FakeDriver, in_this_machine
-from vfife import gallery, load_model, simulate, study
+from vfife import Mechanism, gallery, load_model, simulate, study
 from vfife.assembly.assemble import assemble
 from vfife.errors import ModelError
+from vfife.report.document import Caution
 from vfife.report.study import document
+from vfife.results.study import Study
 from vfife.solvers.repeating import outputs_of_a_turn
 from vfife.studies.engine import cases as engine
 from vfife.studies.engine.cases import Cases, run_cases
@@ -208,6 +210,92 @@ def test_means_of_a_case_that_settles_leave_out_its_start(monkeypatch, streaming
     assert found.settled == found.turns == 4
     assert found.values["C.force.max"] == pytest.approx(np.mean(turns[1:]), rel=1e-9)
     assert abs(np.mean(turns) / np.mean(turns[1:]) - 1.0) > 1e-3
+
+
+ALTERNATING = {"joint.C.clearance": [2e-4, 2.5e-4]}  # m: with the first turns repeat, with the second pairs
+POWER = ("C.force.max", "crank.power.mean")
+
+
+def pairing(clearance: str = "0.2 mm") -> Mechanism:
+    """A four-bar whose turns repeat in pairs where its joint has the second clearance."""
+    mechanism = Mechanism("four-bar")
+    left, right = mechanism.point("A", 0.0, 0.0), mechanism.point("D", 0.3, 0.0)
+    crank = mechanism.link("crank", length=0.1, mass=0.5)
+    coupler = mechanism.link("coupler", length=0.25, mass=1.0, angle="50 deg")
+    rocker = mechanism.link("rocker", length=0.2, mass=0.8, angle="110 deg")
+    mechanism.revolute("A", left, crank.start)
+    mechanism.revolute("B", crank.end, coupler.start)
+    mechanism.clearance_joint("C", coupler.end, rocker.end, clearance=clearance, bearing_radius="10 mm")
+    mechanism.revolute("D", right, rocker.start)
+    mechanism.drive(crank, speed="600 rpm")
+    return mechanism
+
+
+def warnings_of(one: Study) -> list[str]:
+    """The cautions of the answer."""
+    return [part.text for part in document(one).parts if isinstance(part, Caution)]
+
+
+@pytest.mark.parametrize("streaming", [True, False])
+def test_a_case_whose_turns_repeat_in_pairs_is_measured_over_pairs(monkeypatch, streaming: bool) -> None:
+    """As its own run; a case whose turns repeat one by one keeps the values of one turn, to the bit."""
+    if not streaming:
+        monkeypatch.setattr(engine, "streams", lambda *_: False)
+    numbers = [{"joint.C.clearance": value} for value in ALTERNATING["joint.C.clearance"]]
+    spec = CaseSpec(POWER, 40, settle=0.01, period_means=True)
+    found = dict(run_cases(pairing(), numbers, spec))
+    assert [(found[k].period, found[k].measured_turns) for k in (0, 1)] == [(1, 1), (2, 2)]
+    run = simulate(pairing("0.25 mm"), turns=40, settle=0.01, companions=0)
+    for name in POWER:
+        assert found[1].values[name] == run.measures[name].value
+    single = dict(run_cases(pairing(), numbers, dataclasses.replace(spec, period_means=False)))
+    assert single[0].values == found[0].values and not found[0].ranges
+    # Single turns: 1176 and 1368 N, -0.7 and 7.2 W.
+    assert abs(single[1].values["C.force.max"] / found[1].values["C.force.max"] - 1.0) > 0.05
+    for one in (single[1], found[1]):
+        assert one.ranges["C.force.max"] == pytest.approx(190.0, rel=0.02)
+    power, alone = (each[1].values["crank.power.mean"] for each in (found, single))
+    assert abs(alone - power) == pytest.approx(0.5 * found[1].ranges["crank.power.mean"])
+
+
+def test_a_study_names_the_cases_whose_turns_alternate() -> None:
+    one = study(pairing(), ALTERNATING, POWER, turns=40, settle="1 %")
+    said, data = document(one), document(one).data
+    assert "measures are of the last turn, or of whole periods (means)" in str(said)
+    (remark,) = data["remarks"]
+    assert remark.startswith("Turns alternate in 1 of 2 cases (1 of period 2)") and "in case 1" in remark
+    assert data["periods"] == {"1": 1, "2": 1} and data["different_turns"] == 1 and not warnings_of(one)
+    assert one.to_dataframe()["period"].tolist() == [1, 2] == [row["period"] for row in one.rows()]
+    assert one.data["period"].values.tolist() == [1.0, 2.0]
+
+
+def test_one_turn_of_a_pair_has_an_error_as_large_as_turns_differ() -> None:
+    one = study(pairing(), ALTERNATING, POWER, turns=40, settle="1 %", last=1)
+    frame = one.to_dataframe()
+    assert frame["C.force.max.error"][0] < 10.0 < 185.0 < frame["C.force.max.error"][1] < 195.0
+    assert frame["crank.power.mean.error"][1] > 7.5 and one.errors["crank.power.mean"].most > 7.5
+    (caution,) = warnings_of(one)
+    assert caution.startswith("Not whole periods: turns alternate in 1 of 2 cases, and last = 1")
+    # Four turns are whole periods.
+    whole = study(pairing(), ALTERNATING, POWER, turns=40, settle="1 %", last=4)
+    assert not warnings_of(whole) and max(whole.to_dataframe()["crank.power.mean.error"]) < 0.1
+
+
+def test_cases_whose_turns_do_not_repeat_in_time_are_named() -> None:
+    one = study(pairing(), ALTERNATING, POWER, turns=6, settle="0.1 %")
+    (caution,) = warnings_of(one)
+    assert caution.startswith("Not settled: turns of 1 of 2 cases do not repeat within 6 turns")
+    assert document(one).data["periods"] == {"1": 1, "none": 1}
+    assert one.to_dataframe()["crank.power.mean.error"][1] > 7.0
+
+
+def test_a_number_of_turns_tells_where_the_last_turns_differ() -> None:
+    one = study(pairing(), ALTERNATING, POWER, turns=12)
+    (caution,) = warnings_of(one)
+    assert caution.startswith("Turns differ: in 1 of 2 cases a measure differs between the last turns")
+    assert "in case 1, in crank.power.mean by 7.9" in caution
+    assert document(one).data["periods"] is None and "Turns were not compared" not in str(document(one))
+    assert not warnings_of(study(pairing(), ALTERNATING, POWER, turns=12, last=4))
 
 
 @pytest.mark.usefixtures("in_lanes")

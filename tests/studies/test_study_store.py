@@ -293,6 +293,20 @@ def test_another_text_of_the_step_or_of_ones_own_laws_is_another_study(
             )
 
 
+def test_a_study_with_other_turns_of_its_means_is_another_one(
+    asked: Path, tmp_path: Path, closed: Closed
+) -> None:
+    """A former version measured one turn, as last = 1 does."""
+    path = tmp_path / "s.study"
+    asked.write_text(ASKED.replace("turns = 2", 'turns = 2\nsettle = "1 %"\nlast = 1'))
+    vfife.study(asked, file=path)
+    with StudyFile.open(path) as file:
+        assert "period_means" not in file.meta["study"]["wanted"]
+    asked.write_text(ASKED.replace("turns = 2", 'turns = 2\nsettle = "1 %"'))
+    with pytest.raises(VfifeError, match="measures one turn where turns alternate.*last = 1"):
+        vfife.study(asked, file=path)
+
+
 def test_damaged_rows_are_left_out_and_computed_again(asked: Path, tmp_path: Path, closed: Closed) -> None:
     path = tmp_path / "s.study"
     whole = vfife.study(asked, file=path)

@@ -422,6 +422,16 @@ class RequestedMeasures:
         by_output = self.reduced is not None or (self.counts and self.of_last)
         return not by_output and set(self.groups) <= set(BY_TURN)
 
+    def turn_ranges(self, turns: Sequence[Record], reference: Mapping[str, float] | None) -> dict[str, float]:
+        """Return by how much each measure differs between single turns; counts of contacts are left out."""
+        single = RequestedMeasures([name for name in self.names if not name.endswith(COUNTED)], self.reduced)
+        if not single.names:
+            return {}
+        values = [single.turn_means([turn], reference) for turn in turns]
+        names = [name for name in values[-1] if all(name in of_turn for of_turn in values)]
+        series = {name: [of_turn[name] for of_turn in values] for name in names}
+        return {name: max(column) - min(column) for name, column in series.items()}
+
     def turn_means(self, turns: Sequence[Record], reference: Mapping[str, float] | None) -> dict[str, float]:
         """Return the means over turns, each a record that begins with the output before it; counts up to the
         end of the last one.

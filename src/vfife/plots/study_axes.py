@@ -167,7 +167,10 @@ def turns_of_measure(study: Study, name: str) -> str:
         return "whole case"
     if name.endswith(COUNTED) and plan["last"] > 1:
         return f"last {plan['last']} turns"
-    return "last turn" if plan["last"] == 1 else f"mean of the last {plan['last']} turns"
+    if plan["last"] > 1:
+        return f"mean of the last {plan['last']} turns"
+    periods = (outcome.get("measured_turns") or 1 for outcome in study.outcomes.values())
+    return "last turn, or mean of the period" if max(periods, default=1) > 1 else "last turn"
 
 
 def sensitive_words(study: Study) -> str:

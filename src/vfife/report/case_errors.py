@@ -7,7 +7,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from ..numerics.outward import UP
-from ..results.case_errors import NOT_ESTIMATED
+from ..results.case_errors import NOT_ESTIMATED, turn_changes, uncertain_ranges
 from ..solvers.companions import SENSITIVE
 from ..store.studyfile import REPEATS
 from .amounts import Digits, quantity
@@ -71,6 +71,126 @@ def sensitivity_words(study: Study) -> str:
     )
 
 
+def part_words(study: Study) -> str:
+    """Return over which turns the measures of cases are."""
+    plan = study.request["wanted"]
+    if plan["last"] > 1:
+        return f"the last {plan['last']} turns (means)"
+    has_means = any(is_mean_of_period(outcome) for outcome in study.outcomes.values())
+    return "the last turn, or of whole periods (means)" if has_means else "the last turn"
+
+
+def turn_words(study: Study) -> str:
+    """Return until when each case runs and which turns are measured, in addition to its number of turns."""
+    settle = study.request["wanted"]["settle"]
+    until = "" if settle is None else f" at most, until they repeat within {100.0 * settle:g} %"
+    return f"{until}; measures are of {part_words(study)}"
+
+
+def is_mean_of_period(outcome: Any) -> bool:
+    """Return whether measures of a case are means over a period of several turns."""
+    period, turns = outcome.get("period"), outcome.get("measured_turns")
+    return period is not None and period > 1 and turns is not None and turns % period == 0
+
+
+def turn_data(study: Study) -> dict[str, Any]:
+    """Return as data the number of cases by period, and of those whose measured turns differ."""
+    changes = turn_changes(study.outcomes, study.outcomes)
+    return {"periods": periods(study), "different_turns": len(changes)}
+
+
+def periods(study: Study) -> dict[str, int] | None:
+    """Return the number of cases with ``settle`` by period, of those that did not repeat ("none"), and of
+    those of former versions with an unknown period ("unknown"); None without ``settle``.
+    """
+    if study.request["wanted"].get("settle") is None:
+        return None
+    counts: dict[str, int] = {}
+    for outcome in study.outcomes.values():
+        if outcome["status"] == "complete":
+            period = outcome.get("period") or ("none" if is_without_period(outcome) else "unknown")
+            counts[str(period)] = counts.get(str(period), 0) + 1
+    return dict(sorted(counts.items()))
+
+
+def is_without_period(outcome: Any) -> bool:
+    """Return whether a case with ``settle`` is complete, and its turns do not repeat."""
+    return bool(outcome["status"] == "complete" and outcome["settled"] is None)
+
+
+def period_remarks(study: Study) -> list[str]:
+    """Return a sentence on cases that repeat with a period of several turns, and what their measures are."""
+    means = {k: outcome["period"] for k, outcome in study.outcomes.items() if is_mean_of_period(outcome)}
+    if not means:
+        return []
+    periods_of_means = list(means.values())
+    of_period = [
+        f"{periods_of_means.count(period):,} of period {period}" for period in sorted(set(periods_of_means))
+    ]
+    return [
+        f"Turns alternate in {len(means):,} of {len(study.done):,} cases ({', '.join(of_period)}):"
+        f" their measures are means over whole periods{difference_words(study, means)}."
+    ]
+
+
+def difference_words(study: Study, numbers: list[int] | dict[int, Any]) -> str:
+    """Return which of the cases of these ``numbers`` has the turns that are farthest apart, and how far; ""
+    where none differ.
+    """
+    changes = turn_changes({number: study.outcomes[number] for number in numbers}, study.outcomes)
+    shares = [(share, -k, name) for k, by_name in changes.items() for name, share in by_name.items()]
+    if not shares:
+        return ""
+    _, negative, name = max(shares)
+    width = quantity(study.outcomes[-negative]["ranges"][name], study.measures[name])
+    return f"; single turns differ most in case {-negative}, in {name} by {width}"
+
+
+def turn_cautions(study: Study) -> list[str]:
+    """Return the cautions of measures of turns that differ from those before them."""
+    plan, outcomes = study.request["wanted"], study.outcomes
+    if plan.get("settle") is not None:
+        return settling_cautions(study)
+    changes = turn_changes(outcomes, outcomes)
+    if not changes or plan["last"] > 1:
+        return []
+    return [
+        f"Turns differ: in {len(changes):,} of {len(study.done):,} cases a measure differs between"
+        f" the last turns by more than {100.0 * SENSITIVE:g} %{difference_words(study, changes)}. Values are"
+        ' of the last turn alone: settle = "1 %" goes on until turns repeat and measures whole periods,'
+        " last = N takes means."
+    ]
+
+
+def settling_cautions(study: Study) -> list[str]:
+    """Return the cautions of a study with ``settle``: of cases of which a part of a period is measured, of
+    those that do not repeat, and of those of former versions.
+    """
+    plan, outcomes, texts = study.request["wanted"], study.outcomes, list[str]()
+    count = f"of {len(study.done):,} cases"
+    uncertain = uncertain_ranges(plan, outcomes)
+    if parts := [number for number in uncertain if outcomes[number]["period"] is not None]:
+        texts.append(
+            f"Not whole periods: turns alternate in {len(parts):,} {count}, and last = {plan['last']}"
+            f" measures a part of the period{difference_words(study, parts)}. Their errors include"
+            " this difference; without last, measures are of whole periods."
+        )
+    if left := [number for number, outcome in outcomes.items() if is_without_period(outcome)]:
+        single = "values are of the last turn, and errors include this difference"
+        values = single if plan["last"] == 1 else f"values are means over the last {plan['last']} turns"
+        texts.append(
+            f"Not settled: turns of {len(left):,} {count} do not repeat within"
+            f" {plan['turns']:,} turns{difference_words(study, left)}. Their {values}; last = N"
+            " takes means over more turns."
+        )
+    if former := (periods(study) or {}).get("unknown"):
+        texts.append(
+            f"Periods are unknown: an older version of vfife computed {former:,} {count}, and measured one"
+            " turn also where turns alternate. Compute the study again in another file."
+        )
+    return texts
+
+
 def sensitivity_data(study: Study) -> dict[str, int]:
     """Return how many of the sampled cases are sensitive, as data."""
     sensitive, count = study.sensitive
@@ -106,8 +226,9 @@ def error_table(study: Study) -> Part:
 
 
 def study_cautions(study: Study) -> list[Part]:
-    """Return the cautions of a study: one whose measures are of an older definition, one whose sample is
-    sensitive to the step.
+    """Return the cautions of a study: one whose measures are of an older definition, those of turns that
+    differ, and one whose sample is sensitive to the step.
     """
-    texts = [FORMER_MEASURES if study.has_former_measures else "", sensitivity_words(study)]
+    former = FORMER_MEASURES if study.has_former_measures else ""
+    texts = [former, *turn_cautions(study), sensitivity_words(study)]
     return [Caution(text, "warning") for text in texts if text]

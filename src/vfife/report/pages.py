@@ -19,7 +19,7 @@ from ..modelfile.parameter import Parameter
 from ..modelfile.tables import CSV
 from ..units import in_rpm
 from .amounts import prefixed
-from .case_errors import error_table, study_cautions
+from .case_errors import error_table, study_cautions, turn_words
 from .check import mechanism_parts
 from .document import (
     Bullets,
@@ -42,7 +42,7 @@ from .html import page
 from .overview import cautions, certainty
 from .run import equilibria, facts, facts_of, footnotes
 from .run_tables import depths_of_onsets, tables
-from .study import case_table, case_words, counts_words, extreme_table, parameter_table, settling_words
+from .study import case_table, case_words, counts_words, extreme_table, parameter_table
 from .summary import run_summary
 from .trust import verdict
 
@@ -351,8 +351,7 @@ def study_document(
 def _study_words(study: Study) -> str:
     """Numbers of cases and of turns."""
     plan = study.request["wanted"]
-    part = "the last turn" if plan["last"] == 1 else f"the last {plan['last']} turns (means)"
-    turns = f"Each makes {plan['turns']:,} turns{settling_words(study)}; measures are of {part}."
+    turns = f"Each makes {plan['turns']:,} turns{turn_words(study)}."
     return f"{len(study.cases):,} cases: {counts_words(study)}. {turns}"
 
 

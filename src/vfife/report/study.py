@@ -18,7 +18,18 @@ from ..numerics.outward import DOWN, NEAREST, UP, significant
 from ..results.case_errors import NOT_ESTIMATED
 from ..store.lock import holder
 from .amounts import Digits, limit_digits, limit_quantity, prefixed, quantities, quantity, quantity_of_digits
-from .case_errors import digits_of, error_table, error_words, errors_data, sensitivity_data, study_cautions
+from .case_errors import (
+    digits_of,
+    error_table,
+    error_words,
+    errors_data,
+    part_words,
+    period_remarks,
+    sensitivity_data,
+    study_cautions,
+    turn_data,
+    turn_words,
+)
 from .cautions import fall_remark
 from .document import Caution, Document, Paragraph, Part, Table, incomplete
 
@@ -77,12 +88,6 @@ def measure_words(name: str, value: float | None, unit: str, digits: Digits | No
 def counts_words(study: Study) -> str:
     """Return the number of cases by status as text."""
     return ", ".join(f"{count:,} {word}" for word, count in study.counts.items() if count)
-
-
-def settling_words(study: Study) -> str:
-    """Return until when each case runs, in addition to its number of turns."""
-    settle = study.request["wanted"]["settle"]
-    return "" if settle is None else f" at most, until they repeat within {100.0 * settle:g} %"
 
 
 def _values(values: list[Any], parameter: Varied) -> str:
@@ -178,8 +183,7 @@ def document(study: Study, cases: bool = False, members: bool = False) -> Docume
         f"; {at_work} is at work" if at_work else ""
     )
     plan = study.request["wanted"]
-    part = "the last turn" if plan["last"] == 1 else f"the last {plan['last']} turns (means)"
-    turns = f"{counted(plan['turns'], 'turn')}{settling_words(study)}; measures are of {part}"
+    turns = f"{counted(plan['turns'], 'turn')}{turn_words(study)}"
     if duration := plan.get("duration"):
         turns = f"{prefixed(duration, 's')}; measures are of the whole run, or of its last full turn"
     parts: list[Part] = [*incomplete(study.progress, "the same study with its file continues.")]
@@ -243,11 +247,12 @@ def remarks_on_turns(study: Study) -> list[str]:
             f" neighbouring values may knock hard. {no_blows(quiet[0])}"
         )
     single = plan["last"] == 1 and plan["settle"] is None and not plan.get("duration")
-    if single and len(counts) < len(study.measures):
+    compared = any(outcome.get("ranges") for outcome in study.outcomes.values())
+    if single and len(counts) < len(study.measures) and not compared:
         remarks.append(
             'Turns were not compared: last = N takes means over turns, settle = "1 %" compares them.'
         )
-    return remarks
+    return remarks + period_remarks(study)
 
 
 def remarks_on_start(study: Study) -> list[str]:
@@ -265,7 +270,7 @@ def remarks_on_start(study: Study) -> list[str]:
                 f" {COUNTS_KEY} in the study file counts the last turns only."
             )
     if later := [name for name in study.measures if name.endswith(COUNTED) and name not in names]:
-        part = "last turn" if plan["last"] == 1 else f"last {plan['last']} turns"
+        part = part_words(study).removeprefix("the ").replace(" (means)", "")
         start = ", which is also the first" if plan["last"] == plan["turns"] == 1 else ""
         remarks.append(f"{', '.join(later)}: counted over the {part} of each case{start}.")
     forces = [
@@ -318,6 +323,7 @@ def _data(study: Study) -> dict[str, Any]:
             for parameter in study.parameters
         ],
         "measures": extremes(study),
+        **turn_data(study),
         "errors": errors_data(study),
         "sensitive": sensitivity_data(study),
         "failed": [

@@ -106,6 +106,44 @@ class ErrorEstimate:
         return min(self.most, self.rms / math.sqrt(min(share, 1.0 - share)))
 
 
+def has_single_turn(outcome: Mapping[str, Any]) -> bool:
+    """Return whether measures of a case are means over a part of its period, or of a turn of a motion that
+    does not repeat.
+    """
+    period, turns = outcome.get("period"), outcome.get("measured_turns") or 1
+    return bool(outcome.get("ranges")) and (period is None or turns % period != 0)
+
+
+def uncertain_ranges(request: Mapping[str, Any], outcomes: Outcomes) -> dict[int, Mapping[str, float]]:
+    """Return by how much measures differ between turns, by number of the cases with ``settle`` whose measures
+    are of one turn although turns do not repeat one by one: their values are as uncertain.
+
+    ``request``: what is computed of each case.
+    """
+    if request.get("settle") is None:
+        return {}
+    return {number: outcome["ranges"] for number, outcome in outcomes.items() if has_single_turn(outcome)}
+
+
+def turn_changes(cases: Outcomes, outcomes: Outcomes) -> dict[int, dict[str, float]]:
+    """Return by what share (1) of their size measures of single turns differ between the last turns, by
+    number of the case, where that is more than SENSITIVE. ``outcomes``: of the whole study.
+    """
+    sizes = sizes_of(outcomes)
+    changes = {number: changes_between_turns(outcome, sizes) for number, outcome in cases.items()}
+    return {number: shares for number, shares in changes.items() if shares}
+
+
+def changes_between_turns(outcome: Mapping[str, Any], sizes: Mapping[str, float]) -> dict[str, float]:
+    """Return these shares of one case. ``sizes``: the largest magnitudes of the measures in the study."""
+    shares = {}
+    for name, width in outcome.get("ranges", {}).items():
+        size = max(abs(outcome["measures"].get(name, 0.0)), LEAST_SHARE * sizes.get(name, 0.0))
+        if width > SENSITIVE * size and not name.endswith(STEP_DEPENDENT):
+            shares[name] = width / size if size > 0.0 else math.inf
+    return shares
+
+
 def sample_of(cases: Sequence[StudyCase], outcomes: Outcomes) -> list[StudyCase]:
     """Choose the cases to repeat: of all complete ones, those with the least hashes of their hashes.
 
@@ -230,13 +268,18 @@ class CaseError:
 class SampleErrors:
     """Numerical errors of the cases of a ``sample`` and, from them, of any case of the study.
 
-    ``meta``: of the study file; without its entry of repetitions there are no errors.
+    ``meta``: of the study file; without its entry of repetitions there are no errors. ``ranges``: by how much
+    measures differ between turns, of cases whose values are of one of these turns.
     """
 
     def __init__(
-        self, sample: Sequence[RepeatedCase], measures: Sequence[str], meta: Mapping[str, Any]
+        self,
+        sample: Sequence[RepeatedCase],
+        measures: Sequence[str],
+        meta: Mapping[str, Any],
+        ranges: Mapping[int, Mapping[str, float]] | None = None,
     ) -> None:
-        self.sample, self.meta = sample, meta
+        self.sample, self.meta, self.ranges = sample, meta, dict(ranges or {})
         self.by_measure = {name: self._by_case(name) for name in measures} if REPEATS in meta else {}
 
     def _by_case(self, name: str) -> dict[int, CaseError]:
@@ -253,15 +296,16 @@ class SampleErrors:
     @cached_property
     def estimates(self) -> dict[str, ErrorEstimate]:
         """Estimate of each measure; one without two values to compare is left out."""
-        return {name: self._estimate(by_case) for name, by_case in self.by_measure.items() if by_case}
+        return {name: self._estimate(name, by_case) for name, by_case in self.by_measure.items() if by_case}
 
-    def _estimate(self, by_case: Mapping[int, CaseError]) -> ErrorEstimate:
+    def _estimate(self, name: str, by_case: Mapping[int, CaseError]) -> ErrorEstimate:
         errors = list(by_case.values())
+        ranges = [turns.get(name, 0.0) for turns in self.ranges.values()]
         return ErrorEstimate(
             len(errors),
             median([error.size for error in errors]),
             rms([error.size for error in errors]),
-            max(error.bound for error in errors),
+            max(*(error.bound for error in errors), *ranges, 0.0),
             median([error.ratio for error in errors]),
             len(self.sample) - len(errors),
             sum(case.sensitive for case in self.sample if case.number in by_case),
@@ -274,16 +318,18 @@ class SampleErrors:
         is sensitive, the largest of the case, or that of the sample for a case that was not repeated.
         """
         estimate = self.estimates[name]
-        if not estimate.sensitive:
-            return [estimate.typical] * len(numbers)
-        return self.bounds(name, numbers)
+        if estimate.sensitive:
+            return self.bounds(name, numbers)
+        return [max(estimate.typical, self.ranges.get(number, {}).get(name, 0.0)) for number in numbers]
 
     def bounds(self, name: str, numbers: Sequence[int]) -> list[float]:
         """Return the largest error of the value of each case: its own, or that of the sample for a case that
         was not repeated.
         """
-        estimate, by_case = self.estimates[name], self.by_measure[name]
-        return [by_case[number].bound if number in by_case else estimate.most for number in numbers]
+        by_case = self.by_measure[name]
+        largest = max(error.bound for error in by_case.values())
+        bounds = ((number, by_case[number].bound if number in by_case else largest) for number in numbers)
+        return [max(bound, self.ranges.get(number, {}).get(name, 0.0)) for number, bound in bounds]
 
 
 def repeated_cases(

@@ -20,7 +20,7 @@ from ..solvers.status import Status
 from ..store.connections import warn_of_damage
 from ..store.studyfile import SPECIFICATION, StudyCase, StudyFile, has_former_measures
 from ..units import unit_written
-from .case_errors import NOT_ESTIMATED, ErrorEstimate, SampleErrors, repeated_cases
+from .case_errors import NOT_ESTIMATED, ErrorEstimate, SampleErrors, repeated_cases, uncertain_ranges
 from .export import STUDY_FORMATS, TableColumn, data_frame, export, table_rows
 from .output_spacing import depends_on_outputs
 from .parameters import Varied, in_list, in_order
@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-OUTCOME = ("status", "turns", "settled", "step", "reason")
+OUTCOME = ("status", "turns", "settled", "period", "step", "reason")
+TURN_COUNTS = dict.fromkeys(("turns", "settled", "period"), "1")  # numbers of turns, with their units
 WRITTEN_VALUES = ("values", "from", "to", "nominal", "mean")  # keys of a parameter whose unit is shown
 SAMPLE, CASE = "sample", "case"  # dimensions of what lies on no grid
 
@@ -234,7 +235,8 @@ class Study(DataTable):
     def _sample_errors(self) -> SampleErrors:
         sample = repeated_cases(self.cases, self.outcomes, self.repeats, self.step_trials)
         names = [name for name in self.measures if name not in self.sampled]
-        return SampleErrors(sample, names, self.meta)
+        ranges = uncertain_ranges(self.request["wanted"], self.outcomes)
+        return SampleErrors(sample, names, self.meta, ranges)
 
     @property
     def sampled(self) -> list[str]:
@@ -299,11 +301,12 @@ class Study(DataTable):
     def laid_out(self, name: str) -> NDArray[np.float64]:
         """Return a measure along the axes of the study; NaN where it is missing.
 
-        name: a measure, or "turns", "settled" or "step"
+        name: a measure, or "turns", "settled", "period" or "step"
         """
         outcomes = [self.outcomes[case.number] for case in self.done]
         values = [
-            outcome["measures"].get(name) if name in self.measures else outcome[name] for outcome in outcomes
+            outcome["measures"].get(name) if name in self.measures else outcome.get(name)
+            for outcome in outcomes
         ]
         return self._along_axes([math.nan if value is None else value for value in values])
 
@@ -321,10 +324,10 @@ class Study(DataTable):
         import xarray
 
         dims = tuple(self.axes)
-        arrays = {name: self.laid_out(name) for name in (*self.measures, "turns", "settled", "step")}
+        arrays = {name: self.laid_out(name) for name in (*self.measures, *TURN_COUNTS, "step")}
         status = np.full(tuple(len(values) for values in self.axes.values()), "left", dtype=object)
         status[self._axis_indices] = [str(self.outcomes[case.number]["status"]) for case in self.done]
-        units = {**self.measures, "turns": "1", "settled": "1", "step": "s"}
+        units = {**self.measures, **TURN_COUNTS, "step": "s"}
         variables: dict[str, Any] = {
             name: (dims, values, {"units": units[name], **self.error_attributes(name)})
             for name, values in arrays.items()
@@ -389,9 +392,7 @@ class Study(DataTable):
         return ("case", *(parameter.name for parameter in self.parameters), *self.measures, *OUTCOME)
 
     def rows(self) -> list[dict[str, Any]]:
-        """Return one map for each case, for tables: parameters, measures, status, turns, settled, step,
-        reason.
-        """
+        """Return one map for each case, for tables: parameters, measures, :data:`OUTCOME`."""
         rows = []
         for case in self.cases:
             outcome = self.outcomes.get(case.number)
@@ -401,7 +402,7 @@ class Study(DataTable):
             }
             measures = {} if outcome is None else outcome["measures"]
             row |= {name: measures.get(name) for name in self.measures}
-            row |= {name: None if outcome is None else outcome[name] for name in OUTCOME}
+            row |= {name: None if outcome is None else outcome.get(name) for name in OUTCOME}
             row["status"] = row["status"] or "left"
             rows.append(row)
         return rows
@@ -442,15 +443,9 @@ class Study(DataTable):
         """Return the columns of the table of cases: number, parameters, measures, each followed by its
         largest numerical error, and status.
         """
-        rows, units = (
-            self.rows(),
-            {
-                **{parameter.name: parameter.unit for parameter in self.parameters},
-                **self.measures,
-                "step": "s",
-            },
-        )
-        kinds: dict[str, type] = dict.fromkeys(("case", "turns", "settled"), int) | dict.fromkeys(
+        rows, units = self.rows(), {parameter.name: parameter.unit for parameter in self.parameters}
+        units |= {**self.measures, "step": "s"}
+        kinds: dict[str, type] = dict.fromkeys(("case", *TURN_COUNTS), int) | dict.fromkeys(
             ("status", "reason"), str
         )
         kinds |= dict.fromkeys((*self.measures, "step"), float)

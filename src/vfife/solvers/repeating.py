@@ -343,6 +343,7 @@ class Settling:
         self.inside = 0  # outputs of the current turn so far
         self.streaks = [0] * LONGEST
         self.period: int | None = None  # shortest with which the turns repeat
+        self.motion_period: int | None = None  # of the motion: a part of it where onsets move by an output
 
     @property
     def remaining(self) -> int:
@@ -354,14 +355,16 @@ class Settling:
         """Whether turns repeat."""
         return self.period is not None
 
-    def _confirms(self, period: int) -> bool:
-        """Return whether the points of the turns have the ``period`` with which turns repeat, or a part."""
+    def _confirmed(self, period: int) -> int | None:
+        """Return the period of the points of the turns: the ``period`` with which turns repeat, or a part;
+        None if they have neither.
+        """
         if period == 1:
-            return True
+            return period
         points = self.reader.of_turns(self.points)
-        if shorter_period(points, period, self.tolerance) is not None:
-            return True
-        return alternation(points, period) is None and distinct(points, period)
+        if (part := shorter_period(points, period, self.tolerance)) is not None:
+            return part[0]
+        return period if alternation(points, period) is None and distinct(points, period) else None
 
     def turns_of_means(self, last: int) -> int:
         """Return over how many turns at the end means of the ``last`` turns extend: once turns repeat, only
@@ -372,6 +375,15 @@ class Settling:
             return last
         count = min(last, self.streaks[period - 1] + period)
         return count // period * period or count
+
+    def turns_of_period(self) -> int:
+        """Return over how many turns at the end a mean represents the motion: those that repeat, in whole
+        periods, if a period has several turns; else the last one.
+        """
+        if self.period is None or self.motion_period in (None, 1):
+            return 1
+        period = self.motion_period or 1
+        return min(self.streaks[self.period - 1], LONGEST) // period * period
 
     def take(self, rows: Array) -> None:
         """Add outputs after that of step 0, at most :attr:`remaining` of them."""
@@ -394,7 +406,8 @@ class Settling:
         self.sizes.append(size)
         streaks = enumerate(self.streaks, 1)
         shortest = next((period for period, streak in streaks if streak >= max(period, LEAST_STREAK)), None)
-        self.period = shortest if shortest is not None and self._confirms(shortest) else None
+        self.motion_period = None if shortest is None else self._confirmed(shortest)
+        self.period = None if self.motion_period is None else shortest
 
     def _differing(self, turn: Array, size: Array) -> NDArray[np.bool_]:
         """Return which of the former turns differ by more than the tolerance at a few outputs already,

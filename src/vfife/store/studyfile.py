@@ -34,6 +34,8 @@ SPECIFICATION = STUDY.kind  # the entry of the meta that has the specification
 # version 1 the last turn of a case with a duration was counted from the start; in version 2 it is the last
 # 360 degrees before the end, as of a run.
 MEASURE_VERSION, MEASURE_VERSION_KEY = 2, "measure_version"
+# Entries beside the measures of a case, which have no such names: files without them stay readable.
+PERIOD, MEASURED_TURNS, RANGE = ":period", ":measured turns", ":range "
 
 
 @dataclass(frozen=True)
@@ -109,7 +111,10 @@ class StudyFile(Store):
     def _record(self, table: str, case: StudyCase, outcome: Outcome, *key: str) -> None:
         step = outcome.step if math.isfinite(outcome.step) else 0.0
         settled = -1 if outcome.settled is None else outcome.settled
-        values = {name: value for name, value in outcome.values.items() if math.isfinite(value)}
+        values = outcome.values | {f"{RANGE}{name}": value for name, value in outcome.ranges.items()}
+        values = {name: value for name, value in values.items() if math.isfinite(value)}
+        if outcome.period is not None:
+            values |= {PERIOD: float(outcome.period), MEASURED_TURNS: float(outcome.measured_turns)}
         row = (
             str(outcome.status),
             outcome.reason or "",
@@ -168,8 +173,8 @@ class StudyFile(Store):
             ]
 
     def outcomes(self, table: str = "outcomes") -> dict[int, dict[str, Any]]:
-        """Return the outcomes of cases by their places: status, reason, turns, settled, steps, step and
-        measures.
+        """Return the outcomes of cases by their places: status, reason, turns, settled, steps, step,
+        measures, and of their last turns period, measured_turns (None if unknown) and ranges.
 
         ``table``: "repeats" of those with another step; none in a file that was written before there were
         any.
@@ -195,9 +200,15 @@ class StudyFile(Store):
 def _outcome(values: Sequence[Any]) -> dict[str, Any]:
     """Return the outcome in the columns of a row."""
     outcome = dict(zip(OUTCOMES, values, strict=True))
+    entries = json.loads(outcome["measures"])
+    period, measured_turns = (entries.pop(key, None) for key in (PERIOD, MEASURED_TURNS))
+    ranges = {name: entries.pop(name) for name in list(entries) if name.startswith(RANGE)}
     return outcome | {
-        "measures": json.loads(outcome["measures"]),
+        "measures": entries,
         "settled": None if outcome["settled"] < 0 else outcome["settled"],
+        "period": None if period is None else int(period),
+        "measured_turns": None if measured_turns is None else int(measured_turns),
+        "ranges": {name.removeprefix(RANGE): value for name, value in ranges.items()},
     }
 
 

@@ -458,6 +458,9 @@ def run_cases(
                     None,
                     step,
                     case.turns * interval,
+                    case.period,
+                    case.measured_turns,
+                    case.ranges,
                 ),
             )
         else:

@@ -19,7 +19,7 @@ from ...model.mechanism import Mechanism
 from ...solvers.arguments import Loop
 from ...solvers.companions import measured_rows
 from ...solvers.record import Columns, Record, places, recorded_rows
-from ...solvers.repeating import Settling, outputs_of_a_turn
+from ...solvers.repeating import LONGEST, Settling, outputs_of_a_turn
 from ...solvers.streaming import Lane, stepped
 from ...solvers.transient import choose_loop
 from ..spec.plan import CaseSpec
@@ -33,6 +33,7 @@ AT_ONCE = 16  # turns between two calls of take(), if nothing is decided at the 
 # A case whose balance at the ends of turns reaches this share of the energy limit is run again by itself,
 # where the balance is examined at every output and may be larger.
 DOUBTFUL = 0.1
+COMPARED_TURNS = 3  # last turns of a case whose measures are compared where one turn is measured
 
 
 def streams(assembly: Assembly, loop: Loop = "auto") -> bool:
@@ -85,7 +86,12 @@ class Stepped(Lane):
         if not plan.fine:
             self.every *= self.per
         self.rows = self.per if plan.fine else 1  # of a turn
-        self.turns, self.values = 0, dict[str, float]()
+        self.turns, self.values, self.ranges, self.measured_turns = (
+            0,
+            dict[str, float](),
+            dict[str, float](),
+            1,
+        )
         self.settling: Settling | None = None
 
     @property
@@ -100,7 +106,7 @@ class Stepped(Lane):
         plan, settle = self.plan, self.plan.wanted.settle
         if settle is not None:
             self.settling = Settling(self.assembly, self.handed, settle)
-        self.last: deque[Array] = deque(maxlen=plan.wanted.last)
+        self.last: deque[Array] = deque(maxlen=max(plan.wanted.last, LONGEST))
         self.before, self.ends = state[None, self.handed], [(0, state[self.plan.recorded])]
 
     def take(self, rows: Array, broken: int, state: Array) -> None:
@@ -123,6 +129,9 @@ class Stepped(Lane):
                 del self.ends[1::2]
         if self.settling is not None:
             self.settling.take(rows)
+        needed = max(self.plan.wanted.last, turns_compared(self.plan.wanted, self.settling, self.turns))
+        while len(self.last) > max(needed, max(self.settling.streaks, default=0) if self.settling else 0):
+            self.last.popleft()
         self.final = state
 
     @property
@@ -138,6 +147,11 @@ class Stepped(Lane):
     def settled(self) -> int | None:
         """The turn after which the case ended because turns repeat, else None."""
         return self.turns if self.settling is not None and self.settling.settled else None
+
+    @property
+    def period(self) -> int | None:
+        """The number of turns after which the motion repeats, None if it does not or is not examined."""
+        return None if self.settling is None else self.settling.motion_period
 
     def end(self) -> Stepped | None:
         """Compute the measures; return the case with half the step if first contacts were too deep for an
@@ -161,13 +175,14 @@ class Stepped(Lane):
             columns=self.plan.ends,
         )
         self.doubtful = open_share(ends) > DOUBTFUL * assembly.mechanism.settings.energy_limit
-        settling, count = self.settling, len(self.last)
-        first = self.turns - (count if settling is None else settling.turns_of_means(count))
-        records = []
-        for k, turn_rows in enumerate(list(self.last)[first - self.turns :], first):
+        spec, measures, records = self.plan.wanted, self.plan.measures, []
+        for k, turn_rows in enumerate(self.last, self.turns - len(self.last)):
             at = np.arange(k * self.rows, (k + 1) * self.rows + 1, dtype=np.int64) * self.every
             records.append(Record(assembly, at, turn_rows, self.handed, columns=self.plan.told))
-        self.values = self.plan.measures.turn_means(records, self.reference)
+        self.measured_turns = min(turns_measured(spec, self.settling), self.turns)
+        self.values = measures.turn_means(records[-self.measured_turns :], self.reference)
+        if compared := turns_compared(spec, self.settling, self.turns):
+            self.ranges = measures.turn_ranges(records[-compared:], self.reference)
         # Thousands of ended cases may wait for their turn to be saved; only their measures are kept.
         del self.final, self.before
         self.last.clear()
@@ -182,6 +197,31 @@ class Stepped(Lane):
         return dataclasses.replace(
             result, choice=dataclasses.replace(result.choice, automatic=True, tried=tried)
         )
+
+
+def turns_measured(spec: CaseSpec, settling: Settling | None) -> int:
+    """Return over how many turns at the end the measures of a case are means."""
+    if settling is None:
+        return spec.last
+    count = settling.turns_of_period() if spec.period_means else 1
+    return count if count > 1 else settling.turns_of_means(spec.last)
+
+
+def turns_compared(spec: CaseSpec, settling: Settling | None, turns: int) -> int:
+    """Return how many of the last turns of a case that made ``turns`` are compared by their measures: those
+    of whole periods, or a few where one turn is measured; 0 where turns repeat, or means are wanted.
+
+    The first turn, with the start, is compared with the second alone.
+    """
+    period = None if settling is None else settling.motion_period
+    if period == 1 or spec.duration is not None or turns < 2:
+        return 0
+    if spec.last > 1:
+        parts = settling is not None and period is not None and settling.turns_of_means(spec.last) % period
+        return period if period is not None and parts else 0
+    if settling is not None and spec.period_means and period is not None:
+        return settling.turns_of_period()
+    return min(max(COMPARED_TURNS, period or 0), max(turns - 1, 2))
 
 
 def rows_by_turn(assembly: Assembly) -> NDArray[np.uint32]:

@@ -15,6 +15,7 @@ from ...solvers.arguments import RunArguments
 from ...solvers.record import Record
 from ...solvers.repeating import Settling, turn_grid
 from ...solvers.status import Status
+from .lanes import turns_compared, turns_measured
 
 if TYPE_CHECKING:
     from .cases import Cases
@@ -27,6 +28,10 @@ class Outcome:
     """Outcome of a case: ``values`` by measure (SI units; none if it failed), number of whole turns, and the
     turn from which on turns repeat.
 
+    ``period``: number of turns after which they do, None if they do not or were not compared; measures are
+    means over ``measured_turns``. ``ranges``: by how much measures of single turns differ between the last
+    turns, where one turn or a period of several is measured.
+
     ``status``: that of a run ("complete", "diverged", "energy"), or "failed" if it could not be assembled;
     ``reason``: a sentence if it is not complete. ``step`` (s) and ``steps``: size and number of its steps.
     """
@@ -38,6 +43,9 @@ class Outcome:
     reason: str | None = None
     step: float = math.nan
     steps: int = 0
+    period: int | None = None
+    measured_turns: int = 1
+    ranges: dict[str, float] = field(default_factory=dict)
 
 
 def sentence(error: VfifeError) -> str:
@@ -64,12 +72,17 @@ def single(cases: Cases, numbers: Mapping[str, float | str]) -> Outcome:
     settling = None if spec.settle is None else Settling(record.assembly, record.row_numbers, spec.settle)
     if settling is not None:
         settling.restore(record.rows)
-    last = spec.last if settling is None else settling.turns_of_means(spec.last)
-    has_several = turns > 1 and last > 1
-    parts = list(each_turn(record, max(1, turns - last + 1), turns)) if has_several else [record]
-    values = cases.measures.turn_means(parts, None if result.reference is None else result.reference.measures)
+    last = min(turns_measured(spec, settling), max(turns, 1))
+    reference = None if result.reference is None else result.reference.measures
+    parts = list(each_turn(record, turns - last + 1, turns)) if last > 1 else [record]
+    values, ranges = cases.measures.turn_means(parts, reference), dict[str, float]()
+    if compared := turns_compared(spec, settling, turns):
+        ranges = cases.measures.turn_ranges(list(each_turn(record, turns - compared + 1, turns)), reference)
     settled = turns if settling is not None and settling.settled else None
-    return Outcome(values, turns, settled, str(Status.COMPLETE), None, choice.step, steps)
+    period = None if settling is None else settling.motion_period
+    return Outcome(
+        values, turns, settled, str(Status.COMPLETE), None, choice.step, steps, period, last, ranges
+    )
 
 
 def unsound(record: Record) -> str:

@@ -92,6 +92,11 @@ def difference(saved: Mapping[str, Any], description: Mapping[str, Any]) -> str:
     if saved["text"] != description["text"]:
         return "is that of another model"
     spec, saved_spec = (CaseSpec.of(source["wanted"]) for source in (description, saved))
+    if dataclasses.replace(saved_spec, period_means=spec.period_means) == spec != saved_spec:
+        return (
+            "measures one turn where turns alternate, as former versions did and last = 1 does, or whole"
+            " periods, as settle without last does"
+        )
     if spec != saved_spec or saved["measures"] != description["measures"]:
         return "wants other measures, turns or another step"
     if [parameter["paths"] for parameter in saved["parameters"]] != [

@@ -323,7 +323,7 @@ def measure_derivatives(plan: Plan, search: Search, parameters: Parameters) -> d
 
     Raises VfifeError where there are none, Contradiction where finite changes contradict them.
     """
-    if plan.spec.last > 1:
+    if plan.spec.of_case().last > 1:
         raise VfifeError("measures are means of several turns, and derivatives are of the last one")
     mechanism = loads(dump(plan.base), set=list(case_numbers(plan.parameters, parameters).items()))
     continuous = {axis.name for axis in search.axes if axis.continuous}

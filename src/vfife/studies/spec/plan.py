@@ -115,7 +115,12 @@ class StudySpec:
     settle: float | None = described(
         REPETITION, "end a case as soon as turns repeat within this share of their size", None
     )
-    last: int = described(Integer(1, MOST_TURNS), "turns at the end over which measures are averaged", 1)
+    last: int | None = described(
+        Integer(1, MOST_TURNS),
+        "turns at the end over which measures are averaged; by default 1 and, of a case that ends with settle"
+        " at a period of several turns, whole periods",
+        None,
+    )
     counts: str = described(
         Choice((CASE, LAST)),
         "turns over which impacts, approach speeds and shares of contact are counted: of the whole case, from"
@@ -136,8 +141,9 @@ class StudySpec:
     def of_case(self) -> CaseSpec:
         """Return the part of the specification that the engine needs."""
         step = None if self.step == "auto" else float(self.step)
-        length = self.turns, self.settle, self.last, step, self.duration
-        return CaseSpec(tuple(self.measures), *length, self.counts)
+        length = self.turns, self.settle, self.last or 1, step, self.duration
+        period_means = self.last is None and self.settle is not None
+        return CaseSpec(tuple(self.measures), *length, self.counts, period_means)
 
 
 @dataclass(frozen=True)
@@ -146,7 +152,8 @@ class CaseSpec:
 
     A case makes ``turns`` turns, or fewer if they repeat within ``settle`` (1), or lasts for a ``duration``
     (s). ``step`` (s): None for the automatic step of each case. ``counts``: whether contacts are counted over
-    the whole "case" or the "last" turns.
+    the whole "case" or the "last" turns. ``period_means``: cases whose turns repeat with a period of several
+    turns are measured over whole periods instead.
     """
 
     measures: tuple[str, ...]
@@ -156,6 +163,7 @@ class CaseSpec:
     step: float | None = None
     duration: float | None = None
     counts: str = CASE
+    period_means: bool = False
 
     @property
     def length(self) -> dict[str, Any]:
@@ -164,9 +172,10 @@ class CaseSpec:
 
     @property
     def fields(self) -> dict[str, Any]:
-        """The fields as JSON has them, without the default of ``counts``: former versions lack it."""
+        """The fields as JSON has them, without defaults that former versions lack."""
         fields = {**dataclasses.asdict(self), "measures": list(self.measures)}
-        return {name: value for name, value in fields.items() if (name, value) != ("counts", CASE)}
+        defaults = ("counts", CASE), ("period_means", False)
+        return {name: value for name, value in fields.items() if (name, value) not in defaults}
 
     @classmethod
     def of(cls, fields: Mapping[str, Any]) -> CaseSpec:

@@ -286,11 +286,11 @@ def check_turns(base: Mechanism, spec: StudySpec, reader: Reader) -> None:
         except VfifeError:
             pass  # check_measures has refused the model
     if spec.duration is not None:
-        keys = ("settle", spec.settle, None), ("last", spec.last, 1), ("counts", spec.counts, CASE)
+        keys = ("settle", spec.settle, None), ("last", spec.last or 1, 1), ("counts", spec.counts, CASE)
         for name, value, default in keys:
             if value != default:
                 reader.refuse((name,), "a case with a duration has no turns", str(value), "", "leave it out")
-    elif None not in (spec.last, spec.turns) and spec.last > spec.turns:
+    elif None not in (spec.last, spec.turns) and (spec.last or 1) > spec.turns:
         message = "more turns than a case makes"
         reader.refuse(
             ("last",), message, str(spec.last), f"at most {spec.turns}", "give fewer, or more turns"
@@ -299,7 +299,7 @@ def check_turns(base: Mechanism, spec: StudySpec, reader: Reader) -> None:
 
 def remark_on_last(spec: StudySpec) -> str:
     """Return a sentence on measures of the whole run, which do not depend on ``last``; empty without any."""
-    names = counted_from_start(spec.measures, spec.counts) if spec.last > 1 else []
+    names = counted_from_start(spec.measures, spec.counts) if (spec.last or 1) > 1 else []
     if not names:
         return ""
     message = (
