@@ -158,6 +158,14 @@ def test_pendulums_on_a_crank_are_meant(gravity: float) -> None:
     assert "acts on disc there" in told
 
 
+def test_a_crank_that_is_the_clock_of_a_pendulum_is_meant() -> None:
+    m = crank_with_rod(-9.81)
+    m.point("Q", 1.0, 0.0)
+    del m.joints["P"]
+    m.revolute("P", "ground.Q", "rod.start")
+    assert joint_cautions(m) == ()
+
+
 def test_a_five_bar_that_a_spring_holds_is_meant() -> None:
     m = crank_with_rod(0.0, angle=1.2)
     m.point("E", 0.4, 0.0)

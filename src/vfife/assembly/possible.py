@@ -312,18 +312,20 @@ def _neighbours(freedom: FreeMotions) -> tuple[str, str, float] | None:
 def _without_lead(freedom: FreeMotions, moved: Sequence[str], open_pins: Mapping[str, bool]) -> bool:
     """Return whether bodies that drivers leave free, and that no spring holds, are joined to nothing that is
     driven, or to each other in a loop, while a pin is joined to nothing; or whether an end of a driven link
-    is joined to nothing.
+    is joined to nothing. A crank that moves no other body, such as the clock of a load, is meant.
     """
     mechanism = freedom.mechanism
-    ends = [end for end, is_end in open_pins.items() if is_end]
+    pairs = [{end.partition(".")[0] for end in pair} for pair in connections(mechanism)]
+    linked = {body for pair in pairs if "ground" not in pair for body in pair}
+    owners = {pin.partition(".")[0] for pin, is_end in open_pins.items() if is_end} & linked
     sprung = {
         end.partition(".")[0]
         for spring in mechanism.springs.values()
         for end in (spring.first, spring.second)
     }
     sprung |= {body for joint in mechanism.joints.values() if not joint.rows() for body, _ in joint.sides}
-    return any(end.partition(".")[0] not in moved for end in ends) or any(
-        (ends and not group.led)
+    return bool(owners - set(moved)) or any(
+        (owners - group.bodies and not group.led)
         or (group.looped and any(pin.partition(".")[0] in group.bodies for pin in open_pins))
         for group in freedom.groups
         if not group.bodies & sprung
