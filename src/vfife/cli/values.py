@@ -122,8 +122,9 @@ def mechanism_of(options: ModelOptions) -> Mechanism:
 
 def tell_cautions(mechanism: Mechanism) -> None:
     """Print the cautions about the numbers and connections of a mechanism on standard error."""
+    from ..assembly.possible import joint_cautions
     from ..model.validation.plausibility import contradictions, suspects
 
-    for caution in (*suspects(mechanism), *contradictions(mechanism)):
+    for caution in (*suspects(mechanism), *joint_cautions(mechanism), *contradictions(mechanism)):
         tell("warning", caution)
         ENDING.cautions.append(caution)

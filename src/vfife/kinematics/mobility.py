@@ -7,20 +7,27 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations, pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import AssemblyError
 from ..model.joints import Joint
+from ..model.lumping import rigid_properties
 from ..model.mechanism import Mechanism
+from ..model.rows import Guided, place_row
+from ..model.validation.checks import connections, neighbours_of, reached
 from ..numerics import dense
 from ..numerics.dense import dot, norm, product, times
 from ..numerics.elementwise import cos
 from ..numerics.scalar import distance
+from .drives import spinless
+from .forces import driven_body
 from .linalg import Matrix, constrained, dependent_rows, self_stress
-from .pins import from_center
+from .pins import from_center, world
 from .solve import close
 from .system import RigidSystem, checked, equations
 
@@ -31,6 +38,8 @@ MOST_FREE_MOTIONS = 12  # free motions up to which a blocked motion is detected
 BENT = 1e-6  # of squares of velocities over the size of the largest body: smaller ones are rounding
 LEAST_STEPS = 60  # of Marquardt's method: at a double root each leaves a sixteenth of the squares
 STARTS, SIDES = 6, 12  # largest numbers of starts of the search for a free motion
+RANK = 1e-9  # of the largest singular value: motions with smaller ones are free
+MOVES = 1e-6  # of a motion of length 1: less is rounding
 
 
 @dataclass(frozen=True)
@@ -50,6 +59,151 @@ class Mobility:
     redundant_joints: tuple[str, ...]
     singular: tuple[str, ...] = ()
     blocked: bool = False
+
+
+class Group(NamedTuple):
+    """Joined ``bodies`` that drivers leave free: ``led`` if, without the ground, a driven body is joined to
+    them, ``looped`` if more joints hold them than there are bodies, ``hanging`` if they hang in pins from a
+    driven body.
+    """
+
+    bodies: set[str]
+    led: bool
+    looped: bool
+    hanging: bool
+
+
+@dataclass(frozen=True)
+class FreeMotions:
+    """The motions of first order that drivers leave a ``mechanism`` at a closed ``position`` [n, 3] (m, m,
+    rad) of its ideal ``system``; ``hand`` is -1 if the system is the mirror image.
+    """
+
+    mechanism: Mechanism
+    system: RigidSystem
+    position: Array
+    hand: float
+
+    @cached_property
+    def all(self) -> Array:
+        """Motions [count, bodies, 3] in which no driver moves: a torque or force is taken for a motion."""
+        return self._without([], [])
+
+    @cached_property
+    def groups(self) -> list[Group]:
+        """The groups of free bodies that joints, springs and gears join to each other."""
+        mechanism, free = self.mechanism, self.moved(self.all)
+        pairs = [{end.partition(".")[0] for end in pair} for pair in connections(mechanism)]
+        between = [pair for pair in pairs if "ground" not in pair and len(pair) == 2]
+        neighbours = neighbours_of(mechanism.bodies, between)
+        near = neighbours_of(free, (pair for pair in between if pair <= set(free)))
+        driven = {
+            driven_body(name, driver)
+            or (driver.point or mechanism.joints[driver.slider].journal).partition(".")[0]
+            for name, driver in mechanism.drivers.items()
+        }
+        pins = [{joint.bearing, joint.journal} for joint in mechanism.joints.values() if joint.revolves]
+        guided = {
+            end.partition(".")[0] for pair in connections(mechanism) if set(pair) not in pins for end in pair
+        }
+        found: list[Group] = []
+        for name in free:
+            if not any(name in group.bodies for group in found):
+                bodies = reached(near, name)
+                looped = sum(1 for pair in pairs if bodies & pair) > len(bodies)
+                led = bool(reached(neighbours, name) & driven)
+                found.append(Group(bodies, led, looped, led and not looped and not bodies & guided))
+        return found
+
+    @cached_property
+    def idle(self) -> Array:
+        """Those of them in which nothing moves on which weight, a load, spring, contact, velocity or a driven
+        body from which it hangs acts.
+        """
+        mechanism, acting = self.mechanism, {"ground"}
+        acting |= {name for name, body in mechanism.bodies.items() if any(body.velocity)}
+        acting |= {push.body for load in mechanism.loads.values() for push in load.pushes(mechanism.joints)}
+        ends = [pair for spring in mechanism.springs.values() for pair in (spring.first, spring.second)]
+        for joint in mechanism.joints.values():
+            ends += () if joint.rows() else (joint.bearing, joint.journal)
+        acting |= {end.partition(".")[0] for end in ends}
+        return self._without(
+            [(name, axis) for name in acting - {"ground"} for axis in range(3)], self._weights()
+        )
+
+    def _weights(self) -> list[tuple[str, tuple[float, float]]]:
+        """Return the ways in which gravity acts on bodies: all, but one where a guide of the ground keeps a
+        body straight.
+        """
+        gx, gy = self.mechanism.gravity
+        hanging = {name for group in self.groups if group.hanging for name in group.bodies}
+        guided = {
+            journal[0]
+            for joint in self.mechanism.joints.values()
+            for bearing, journal in (joint.sides, joint.sides[::-1])
+            if bearing[0] == "ground" and isinstance(place_row(joint.rows()), Guided)
+        }
+        turning, result = self.moved(self.all[:, :, 2:]), []
+        for name, body in self.mechanism.bodies.items():
+            if not (gx or gy or name in hanging):
+                continue
+            straight = name in guided and name not in turning
+            ways = [(gx, self.hand * gy)] if straight else [(1.0, 0.0), (0.0, 1.0)]
+            result += [(name, way) for way in ways if rigid_properties(body).mass > 0.0]
+        return result
+
+    def _without(self, fixed: list[tuple[str, int]], ways: list[tuple[str, tuple[float, float]]]) -> Array:
+        """Return the motions without those along ``fixed`` coordinates (0 to 2) of bodies, and along ``ways``
+        of their centres of mass.
+        """
+        mechanism, names, held = self.mechanism, list(self.mechanism.bodies), []
+        for name, driver in mechanism.drivers.items():
+            if not driver.moves and (body := driven_body(name, driver)):
+                fixed = [*fixed, (body, 2)]
+            elif not driver.moves:
+                side = driver.point or mechanism.joints[driver.slider].journal
+                fixed = [*fixed, *((side.partition(".")[0], axis) for axis in range(2))]
+        units = {name: np.eye(3) for name in names}
+        rows = [(name, units[name][axis]) for name, axis in fixed if name in units]
+        rows += [(name, units[name][2]) for name in spinless(mechanism)]
+        for name, way in [*rows, *((name, np.array([*way, 0.0])) for name, way in ways)]:
+            row = np.zeros((len(names), 3))
+            row[names.index(name)] = way
+            held.append(row.ravel())
+        place = self.position * (1.0, self.hand, self.hand)
+        return _free(self.system, place, np.reshape(held, (-1, 3 * len(names))))
+
+    def moved(self, motions: Array) -> list[str]:
+        """Return the bodies that take part in motions."""
+        sizes = np.abs(motions).max(axis=(0, 2)) if len(motions) else np.zeros(len(self.mechanism.bodies))
+        return [name for name, size in zip(self.mechanism.bodies, sizes, strict=True) if size > MOVES]
+
+    def speeds(self, side: tuple[str, str]) -> Array:
+        """Return the velocity of a pin in each of the motions left, [count, 2]."""
+        if side[0] == "ground":
+            return np.zeros((len(self.all), 2))
+        k, hand = list(self.mechanism.bodies).index(side[0]), self.hand
+        x, y = np.subtract(self.place(side), self.position[k + 1, :2])
+        turning = self.all[:, k, 2] / self.system.metric[0][3 * k + 2]
+        return np.asarray(self.all[:, k, :2] + np.outer(turning, [1.0, 1.0]) * (-hand * y, x))
+
+    def place(self, side: tuple[str, str]) -> tuple[float, float]:
+        """Return the place of a pin at the start (m)."""
+        return world(self.mechanism, self.position, self.system.names, side)
+
+
+def _free(system: RigidSystem, position: Array, held: Array) -> Array:
+    """Return orthonormal motions [count, n - 1, 3] of first order, (x, y, l theta) of each body, that joints
+    and drives permit at a closed position [n, 3] and that have no part along the rows of ``held``
+    [rows, 3(n-1)]. Large systems, whose equations are sparse, return none.
+    """
+    jacobian, columns = equations(system, position).jacobian, 3 * (len(system.names) - 1)
+    if not isinstance(jacobian, np.ndarray):
+        return np.zeros((0, len(system.names) - 1, 3))
+    # A row of zeros, so that a system without rows has singular values too.
+    _, sizes, right = dense.svd(np.vstack([jacobian, held, np.zeros((1, columns))]))
+    rank = int(np.count_nonzero(sizes > RANK * max(1.0, float(sizes.max()))))
+    return np.asarray(right[rank:].reshape(-1, len(system.names) - 1, 3))
 
 
 def mobility(system: RigidSystem, position: Array) -> Mobility:

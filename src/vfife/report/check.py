@@ -18,7 +18,7 @@ from ..model.surfaces import body_of, surfaces
 from ..model.wear import deepest
 from ..solvers.refinement import DOUBLE, with_elements
 from .document import Table
-from .freedom import degrees_of_freedom, redundancy
+from .freedom import degrees_of_freedom, elastic_shares, redundancy
 
 if TYPE_CHECKING:
     from ..assembly.assembled import Assembly
@@ -37,6 +37,7 @@ class Checked:
     ``redundant`` joints.
 
     ``step`` (s) is the initial step of a run, ``set_by`` its cause; ``notes`` are cautions.
+    ``determined_by_elastic``: elastic bodies determine the reactions of redundant joints.
     """
 
     name: str
@@ -48,12 +49,13 @@ class Checked:
     step: float
     set_by: str
     notes: tuple[str, ...]
+    determined_by_elastic: bool = False
 
     def __str__(self) -> str:
         counts = f"{self.bodies} {'body' if self.bodies == 1 else 'bodies'}, {counted(self.joints, 'joint')}"
         lines = [f"{self.name}: no faults; {counts}.", degrees_of_freedom(self.free, self.after_drives)]
         if self.redundant:
-            lines.append(redundancy("Redundant constraints", self.redundant))
+            lines.append(redundancy("Redundant constraints", self.redundant, self.determined_by_elastic))
         if self.step > 0.0:
             lines.append(f"Step {self.step:.4g} s, set by {self.set_by}.")
         return "\n".join([*lines, *self.notes])
@@ -69,6 +71,7 @@ def checked(assembly: Assembly, notes: Sequence[str] = ()) -> Checked:
         after_drives=mobility.after_drives,
         redundant=tuple(mobility.redundant_joints) if mobility.redundant else (),
         step=assembly.choice.step, set_by=assembly.choice.culprit, notes=(*assembly.notes, *notes),
+        determined_by_elastic=bool(mobility.redundant) and elastic_shares(assembly),
     )  # fmt: skip
 
 

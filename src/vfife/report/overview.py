@@ -33,6 +33,7 @@ from .digits import (
     unit_of,
 )
 from .document import Document, Facts, Paragraph, Part, Section, Table, paragraphs
+from .freedom import freedom_left_words
 from .noise import blow, noise
 from .run import (
     CONFORMAL,
@@ -115,17 +116,16 @@ def overview(summary: Json) -> Document:
 
 def heading_sentence(summary: Json) -> str:
     """Return the model, its speeds, the length of the run and the part that values are of."""
-    run = summary["run"]
+    run, name = summary["run"], summary["model"]["name"]
     speeds = [in_rpm(abs(speed)) for speed in run.get("speeds", {}).values()]
     count = run.get("crank_turns", run["turns"])
-    turns = [] if count is None else [f"{count:.4g} turn{'s' * (count != 1.0)}"]
-    turns = [planned] if (planned := interrupted_length(summary)) else turns
-    ending = [] if summary["status"] == Status.COMPLETE else [str(summary["status"])]
-    length = turns or [prefixed(run["time_s"], "s")]
+    turns = "" if count is None else f"{count:.4g} turn{'s' * (count != 1.0)}"
+    length = interrupted_length(summary) or turns or prefixed(run["time_s"], "s")
+    ending = [freedom_left_words(run), str(summary["status"]) * (summary["status"] != Status.COMPLETE)]
     part = "means over turns" if over_several_turns(summary["turns"]) else f"values of the {summary['part']}"
     period = (summary["turns"] or {}).get("period") or 1
     part = f"period {period} · {part}" if period > 1 else part
-    return " · ".join([summary["model"]["name"], *speeds, *length, contact_counts(summary), part, *ending])
+    return " · ".join(filter(None, [name, *speeds, length, contact_counts(summary), part, *ending]))
 
 
 def interrupted_length(summary: Json) -> str:

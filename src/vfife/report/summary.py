@@ -28,6 +28,7 @@ from ..model.wear import deepest
 from ..solvers.record import Record
 from ..solvers.refinement import worth_other_meshes, worth_refining
 from .cautions import (
+    MISSING,
     fall_caution,
     fall_of,
     largest_by_joint,
@@ -38,6 +39,7 @@ from .cautions import (
     wide_contacts,
 )
 from .dead_centres import dead_centres
+from .freedom import freedom_left
 from .trust import over_several_turns, trust_summary, turns_summary, verdict
 
 if TYPE_CHECKING:
@@ -255,6 +257,7 @@ def _transient_run(result: RunData) -> Json:
         "time_s": time,
         "turns": None if choice.turn is None else time / choice.turn,
         **({} if count is None else {"crank_turns": count}),
+        **({"free_when_driven": left} if (left := freedom_left(record.assembly)) else {}),
         "speeds": {
             name: driver.steady_speed for name, driver in turning.items() if driver.steady_speed is not None
         },
@@ -265,7 +268,11 @@ def _transient_run(result: RunData) -> Json:
         "stable_step": choice.stable if choice.stable < float("inf") else None,
         "set_by": choice.culprit,
         **({"steps_planned": choice.steps} if record.status == "interrupted" else {}),
-        "notes": [note for note in record.assembly.notes if note not in _leading_notes(mechanism)],
+        "notes": [
+            note
+            for note in record.assembly.notes
+            if note not in _leading_notes(mechanism) and not note.endswith(MISSING)
+        ],
         **({"reached": reached} if choice.turn is None and (reached := _reached_speeds(record)) else {}),
     }
 

@@ -222,3 +222,11 @@ def connections(mechanism: Mechanism) -> Iterator[tuple[str, str]]:
         yield spring.first, spring.second
     for gear in mechanism.gears.values():
         yield gear.first, gear.second
+
+
+def used_pins(mechanism: Mechanism) -> set[str]:
+    """Return the pins, or bodies, that joints, springs, gears, loads and drivers use."""
+    used = {pin for pair in connections(mechanism) for pin in pair}
+    pushes = (push for load in mechanism.loads.values() for push in load.pushes(mechanism.joints))
+    used |= {f"{push.body}.{push.pin}" for push in pushes} | {load.place for load in mechanism.loads.values()}
+    return used | {driver.point for driver in mechanism.drivers.values()}

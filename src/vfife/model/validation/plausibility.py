@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ...numerics.scalar import cos, distance, hypot, sin
 from ...units import in_rpm
 from ..bodies import Frame, Link, PointMass, RigidBody
-from .checks import connections, neighbours_of, reached
+from .checks import connections, neighbours_of, reached, used_pins
 from .loads import FAST, FULL_TURN, suspect_tables
 from .magnitudes import (
     OUT_OF_SCALE,
@@ -80,7 +80,12 @@ def suspect_surfaces(mechanism: Mechanism) -> tuple[str, ...]:
 
 def suspect_connections(mechanism: Mechanism) -> tuple[str, ...]:
     """Return cautions about what is connected; they depend on numbers only where these are zero."""
-    return (*_loose(mechanism), *_open(mechanism), *_idle(mechanism))
+    return (*unconnected(mechanism), *_idle(mechanism))
+
+
+def unconnected(mechanism: Mechanism) -> tuple[str, ...]:
+    """Return cautions about joints that are missing by what is connected alone."""
+    return (*_loose(mechanism), *_open(mechanism))
 
 
 def _free_lengths(mechanism: Mechanism) -> Iterator[str]:
@@ -393,10 +398,7 @@ def _loose(mechanism: Mechanism) -> Iterator[str]:
 
 def _open(mechanism: Mechanism) -> Iterator[str]:
     """Caution about chains with a free end, if a point of the ground or another end is free too."""
-    used = {pin for pair in connections(mechanism) for pin in pair}
-    used |= {load.place for load in mechanism.loads.values()} | {
-        driver.point for driver in mechanism.drivers.values()
-    }
+    used = used_pins(mechanism)
     bodies = {pin.partition(".")[0] for pin in used}
     ends = [
         f"{name}.{end}"
