@@ -358,3 +358,29 @@ def test_error_bars_of_what_cannot_be_negative_end_at_zero(
     ends = np.array([segment[:, 1] for segment in bars.get_segments()])
     assert ends[:, 0] == pytest.approx(np.maximum(values - 3.0, 0.0)) and (ends[:, 0] == 0.0).any()
     assert ends[:, 1] == pytest.approx(values + 3.0)
+
+
+def test_a_case_without_impact_has_a_remark_beside_its_speed_and_no_part_in_means(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from vfife.report.study import extremes, remarks_on_turns
+
+    name = "C.approach_speed.max"
+    found = made(ASKED.replace('"C.impacts"', f'"{name}"'), tmp_path, monkeypatch)
+    speeds = [0.0, 0.2, 0.4, 0.2, 0.4, 0.3]
+    for case, speed in zip(found.done, speeds, strict=True):
+        found.outcomes[case.number]["measures"][name] = speed
+    columns = {column.name: column for column in found.table_columns()}
+    heads = list(columns)
+    assert heads[heads.index(name) + 2] == f"{name}.remark" and "C.force.max.remark" not in heads
+    assert columns[name].values == speeds, "the numbers stay"
+    assert columns[f"{name}.remark"].values == ["no impact", *[None] * 5]
+    found.export(tmp_path / "a.csv")
+    heads, first, second, *_ = (tmp_path / "a.csv").read_text("utf-8").splitlines()
+    assert f"{name}.remark," in heads and ",no impact," in first and "no impact" not in second
+    entry = extremes(found)[name]
+    assert (entry["least"], entry["mean"]) == (0.0, pytest.approx(0.3)) and entry["count"] == 6
+    assert any("means are of the other cases" in text for text in remarks_on_turns(found))
+    for case in found.done:
+        found.outcomes[case.number]["measures"][name] = 0.0
+    assert extremes(found)[name]["mean"] == 0.0, "no impact in any case"

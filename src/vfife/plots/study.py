@@ -18,9 +18,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ..errors import VfifeError, shown, suggestion
+from ..measures.catalogue import NO_IMPACT
 from ..measures.extrapolation import NEVER_NEGATIVE
 from ..numerics.pareto import front
-from ..report.study import NO_IMPACT
 from ..results.parameters import Varied
 from ..results.study import Study
 from .notebook import sharp

@@ -13,9 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 from numpy.typing import NDArray
 
-from ..measures.catalogue import CASE, COUNTED, counted_from_start
+from ..measures.catalogue import CASE, COUNTED, IMPACT_SPEED, NO_IMPACT, counted_from_start
 from ..numerics.outward import UP, significant
-from ..report.study import IMPACT_SPEED, NO_IMPACT
 from ..results.case_errors import NOT_ESTIMATED
 from ..results.parameters import Varied
 from ..results.study import Study

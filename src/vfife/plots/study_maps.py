@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
-from ..report.study import IMPACT_SPEED
+from ..measures.catalogue import IMPACT_SPEED
 from ..results.parameters import Varied
 from ..results.study import Study
 from .study_axes import (
