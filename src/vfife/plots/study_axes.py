@@ -185,7 +185,7 @@ def shared_scales(study: Study, names: Sequence[str]) -> dict[str, tuple[float, 
     scales = {}
     for name in names:
         unit = study.measures[name]
-        largest = max(sizes[other] for other in names if study.measures[other] == unit)
+        largest = max(sizes[key] for key in names if study.measures[key] == unit)
         size = largest if sizes[name] >= LEAST_SHARE * largest else sizes[name]
         scales[name] = readable([size], unit)
     return scales
@@ -205,9 +205,9 @@ def largest_error(name: str, values: Array, errors: Array) -> Array:
     """Return the largest error of the values along the last axis, which that of their median does not exceed;
     0 where none is known. Cases without impact count only where no other one is.
     """
-    known = np.where(np.isfinite(with_impact(name, values)), errors, np.nan)
-    known = np.where(np.isfinite(known).any(axis=-1, keepdims=True), known, errors)
-    return np.asarray(np.max(known, axis=-1, initial=0.0, where=np.isfinite(known)))
+    bars = np.where(np.isfinite(with_impact(name, values)), errors, np.nan)
+    bars = np.where(np.isfinite(bars).any(axis=-1, keepdims=True), bars, errors)
+    return np.asarray(np.max(bars, axis=-1, initial=0.0, where=np.isfinite(bars)))
 
 
 def error_line(study: Study, name: str, factor: float, unit: str) -> str:

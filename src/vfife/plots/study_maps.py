@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
-from ..measures.catalogue import IMPACT_SPEED
 from ..results.parameters import Varied
 from ..results.study import Study
 from .study_axes import (
@@ -74,7 +73,7 @@ def within_error(study: Study, name: str, middle: Array, values: Array, errors: 
     """
     if name not in study.errors:
         return np.zeros(middle.shape, dtype=bool)
-    cells = np.nan_to_num(middle) if name.endswith(IMPACT_SPEED) else middle
+    cells = np.where(no_impact(name, values).any(axis=2) & np.isnan(middle), 0.0, middle)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # an unknown value stays unknown
         away = np.abs(cells - np.nanmedian(middle))

@@ -14,20 +14,9 @@ from ..measures.stops import stop_sentence
 from ..measures.values import NOT_ESTIMATED
 from ..numerics.outward import significant_range
 from ..solvers.status import Status
-from . import amounts, dead_centres
+from . import amounts, dead_centres, digits
 from .amounts import interval, percent
-from .digits import (
-    CERTAIN,
-    SCATTER,
-    Json,
-    is_about_zero,
-    is_estimated,
-    is_undetermined,
-    largest_text,
-    plain_number,
-    range_text,
-    turns_text,
-)
+from .digits import Json, is_about_zero, is_estimated, is_undetermined, plain_number, range_text, turns_text
 from .document import Caution, Document, Facts, Paragraph, Part, Table, grouped
 from .noise import knock_speed
 from .overview import NOT_COMPUTED, cautions, certainty, has_fall, heading_sentence, moment_texts, overview
@@ -236,7 +225,7 @@ def side_by_side(summaries: Mapping[str, Json]) -> Document:
         raise VfifeError(f"{static[0]} is a static analysis, which has no largest forces; name it by itself")
     names = list(summaries)
     changes = (head for name in names[1:] for head in (name, "change"))
-    heads, forces, others = (*names[:1], *changes), _force_rows(summaries), _other_rows(summaries)
+    heads, forces, drives = (*names[:1], *changes), _force_rows(summaries), _other_rows(summaries)
     facts = [
         (label if k == 0 else "", text)
         for label, summary in summaries.items()
@@ -247,15 +236,15 @@ def side_by_side(summaries: Mapping[str, Json]) -> Document:
         Facts(facts),
         Table(("joint", *heads), forces, "Largest forces", numbers=numbers, names=(0,)),
     ]
-    if others:
+    if drives:
         title = "Knocks, friction and drives"
-        parts.append(Table(("of", *heads), others, title, numbers=numbers, names=(0,)))
+        parts.append(Table(("of", *heads), drives, title, numbers=numbers, names=(0,)))
     commands = [f"vfife info {name}" for name, summary in summaries.items() if any(cautions(summary))]
     shown_by = f"Cautions: {', '.join(commands)}. " if commands else ""
     parts.append(
         Paragraph(
             f"{CHANGE_RANGE} {shown_by}Figures of these runs in one: vfife plot {' '.join(names)}"
-            if any(" to " in cell for row in (*forces, *others) for cell in row[3::2])
+            if any(" to " in cell for row in (*forces, *drives) for cell in row[3::2])
             else f"{shown_by}Figures of these runs in one: vfife plot {' '.join(names)}"
         )
     )
@@ -306,7 +295,8 @@ def _other_rows(summaries: Mapping[str, Json]) -> list[tuple[str, ...]]:
 
 def _drives(runs: Sequence[Json]) -> Iterator[tuple[str, str, Text]]:
     """Yield label, measure and text of the powers, torques and forces of drivers and actuators."""
-    power = partial(mean_text, unit="W", certain=SCATTER)
+    power = partial(mean_text, unit="W", certain=digits.SCATTER)
+    torque = partial(mean_text, unit="N m", certain=digits.CERTAIN)
     bodies = dict.fromkeys(
         name
         for summary in runs
@@ -315,7 +305,11 @@ def _drives(runs: Sequence[Json]) -> Iterator[tuple[str, str, Text]]:
     )
     for name in bodies:
         yield f"{name}, mean power", f"{name}.power.mean", power
-        yield f"{name}, mean torque", f"{name}.torque.mean", partial(mean_text, unit="N m", certain=CERTAIN)
+        yield (
+            f"{name}, mean torque",
+            f"{name}.torque.mean",
+            partial(mean_text, unit="N m", certain=digits.CERTAIN),
+        )
         yield f"{name}, largest torque", f"{name}.torque.max", partial(force_text, unit="N m")
     actuators = {name: entry for summary in runs for name, entry in summary.get("actuators", {}).items()}
     for name, entry in actuators.items():
@@ -339,7 +333,9 @@ def _knock_change(summaries: Sequence[Json], joint: str) -> str:
     none, or its error is not estimated.
     """
     texts = [_knock_text(summary, joint) for summary in summaries]
-    if any(NOT_ESTIMATED in text for text in texts) or not all(knock_speed(s, joint) for s in summaries):
+    if any(digits.NOT_ESTIMATED in text for text in texts) or not all(
+        knock_speed(s, joint) for s in summaries
+    ):
         return ""
     names = [of_contacts(summary, joint, "approach_speed.max") for summary in summaries]
     return _change_of_largest(summaries, names)
@@ -353,7 +349,7 @@ def _fastest_text(summary: Json, _: str) -> str:
     names = _speeds(summary)
     if not any(summary["measures"][name] for name in names):
         return "none" if names else ""
-    return largest_text(summary, names, "m/s", CERTAIN)
+    return digits.largest_text(summary, names, "m/s", digits.CERTAIN)
 
 
 def _fastest_change(summaries: Sequence[Json], _: str) -> str:
@@ -387,16 +383,17 @@ def _row(
     """
     first, cells = next(iter(summaries.values())), [label]
     for summary in summaries.values():
-        known = change is not None or measure in summary["measures"]
-        cells.append((text(summary, measure) if known else "") or "-")
+        has_text = change is not None or measure in summary["measures"]
+        cells.append((text(summary, measure) if has_text else "") or "-")
         if summary is not first:
             cells.append((change or _measure_change)([first, summary], measure))
     return tuple(cells)
 
 
 def _measure_change(summaries: Sequence[Json], measure: str) -> str:
-    known = all(measure in summary["measures"] for summary in summaries)
-    return change_text(summaries, measure) if known else ""
+    if not all(measure in summary["measures"] for summary in summaries):
+        return ""
+    return change_text(summaries, measure)
 
 
 def change_text(summaries: Sequence[Json], measure: str) -> str:
