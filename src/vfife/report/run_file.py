@@ -305,11 +305,7 @@ def _drives(runs: Sequence[Json]) -> Iterator[tuple[str, str, Text]]:
     )
     for name in bodies:
         yield f"{name}, mean power", f"{name}.power.mean", power
-        yield (
-            f"{name}, mean torque",
-            f"{name}.torque.mean",
-            partial(mean_text, unit="N m", certain=digits.CERTAIN),
-        )
+        yield f"{name}, mean torque", f"{name}.torque.mean", torque
         yield f"{name}, largest torque", f"{name}.torque.max", partial(force_text, unit="N m")
     actuators = {name: entry for summary in runs for name, entry in summary.get("actuators", {}).items()}
     for name, entry in actuators.items():
@@ -333,9 +329,7 @@ def _knock_change(summaries: Sequence[Json], joint: str) -> str:
     none, or its error is not estimated.
     """
     texts = [_knock_text(summary, joint) for summary in summaries]
-    if any(digits.NOT_ESTIMATED in text for text in texts) or not all(
-        knock_speed(s, joint) for s in summaries
-    ):
+    if any(NOT_ESTIMATED in text for text in texts) or not all(knock_speed(s, joint) for s in summaries):
         return ""
     names = [of_contacts(summary, joint, "approach_speed.max") for summary in summaries]
     return _change_of_largest(summaries, names)
