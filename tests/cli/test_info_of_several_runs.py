@@ -7,9 +7,11 @@ from typing import Any
 
 import pytest
 
-from vfife.report.run_file import OVERLAP, _row, change_text, side_by_side
+from vfife.report.run_file import OVERLAP, _knock_change, _row, change_text, side_by_side
+from vfife.report.run_tables import force_text, knock_texts
 
 CRANK = Path(__file__).resolve().parents[2] / "examples" / "slider_crank.toml"
+LOOSE = CRANK.with_name("four_bar_case_b.toml")
 
 
 def summary(value: float, low: float, high: float) -> dict[str, Any]:
@@ -44,12 +46,45 @@ def test_a_change_from_the_first_run_stands_beside_each_of_three() -> None:
         "new": summary(100.0, 99.9, 100.1), "twice": summary(150.0, 149.9, 150.1),
         "same": summary(100.05, 99.8, 100.3),
     }  # fmt: skip
-    rows = _row(runs, "A", "A.force.max", "N", "A")
+    rows = _row(runs, "A", "A.force.max", force_text)
     assert len(rows) == 6 and rows[0] == "A"
     assert rows[3].startswith("50") and rows[5] == OVERLAP
     absent = {**runs, "twice": summary(150.0, 149.9, 150.1) | {"measures": {}}}
-    cells = _row(absent, "A", "A.force.max", "N", "A")
+    cells = _row(absent, "A", "A.force.max", force_text)
     assert cells[2:4] == ("-", "") and cells[5] == OVERLAP
+
+
+def test_knocks_friction_and_drives_stand_beside_the_forces(command: Callable) -> None:
+    """Each cell has the text of the single answer, and the change is that of the measures."""
+    for name, speed in (("slow", "1000 rpm"), ("fast", "1500 rpm")):
+        options = ("--turns", 1, "--quiet", "--set", f'driver.crank.speed="{speed}"')
+        assert command("run", LOOSE, "-o", name, *options).exit_code == 0
+    data = json.loads(command("info", "slow", "fast", "--json").stdout)["runs"]
+    lines = command("info", "slow", "fast").stdout.splitlines()
+    rows = {line[:30].split("  ")[0].strip(): line for line in lines if ", " in line[:30]}
+    runs = [json.loads(command("info", name, "--json").stdout)["summary"] for name in data]
+    for run, entry in zip(runs, data.values(), strict=True):
+        assert knock_texts(run, "C")[0] in rows["C, hardest knock"] and entry["knocks"] == run["knocks"]
+        assert force_text(run, "crank.torque.max", "N m") in rows["crank, largest torque"]
+        for name in ("C.approach_speed.max", "crank.power.mean", "crank.torque.max"):
+            assert entry["measures"][name]["value"] == run["measures"][name]
+    assert "-" not in {text.strip() for text in rows["crank, mean power"].split("  ")}
+    assert change_text(runs, "crank.torque.max") in rows["crank, largest torque"]
+
+
+def test_a_knock_without_an_estimate_has_no_change() -> None:
+    """Knocks of earlier turns than those of the measures are known by one run alone."""
+
+    def knocking(speed: float, low: float, high: float, hardest: bool) -> dict[str, Any]:
+        name = "A.approach_speed.max"
+        entry = {"count": 3, "speed": speed, "hardest": hardest}
+        run = {"measures": {name: speed, "A.impacts": 3}, "ranges": {name: {"low": low, "high": high}}}
+        return run | {"joints": {"A": {}}, "not_estimated": [], "about_zero": {}, "knocks": {"A": entry}}
+
+    runs = [knocking(0.1, 0.099, 0.101, True), knocking(0.2, 0.199, 0.201, True)]
+    assert _knock_change(runs, "A") == "98 to 102 %"
+    assert _knock_change([runs[0], knocking(0.2, 0.199, 0.201, False)], "A") == ""
+    assert _knock_change([knocking(0.0, 0.0, 0.0, True), runs[1]], "A") == ""
 
 
 def test_options_of_one_run_are_refused_with_several(command: Callable) -> None:

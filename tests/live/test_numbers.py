@@ -12,7 +12,7 @@ from live.pages import bits_of, needs_node, page_of, run_by_node
 from support import with_settings
 from vfife import gallery, simulate
 from vfife.compiler.runtime.runner import Runner
-from vfife.live.page.page import page_with_sliders
+from vfife.live.page.page import BROWSER, page_with_sliders
 from vfife.live.page.page_model import page_model
 from vfife.live.page.patches import slider_patches
 from vfife.live.page.payload import scratch_rows
@@ -262,3 +262,18 @@ def test_the_slider_of_a_tight_clearance_reaches_that_of_a_worn_pin() -> None:
     assert low == 0.1 and high * 17e-6 == pytest.approx(2e-4)
     assert clearance_shares(SimpleNamespace(clearance=1e-4, bearing_radius=1e-3)) == (0.1, 2.5)
     assert clearance_shares(SimpleNamespace(clearance=1e-4)) == (0.1, 2.5)
+
+
+def test_ranges_of_the_table_have_the_digits_in_which_their_ends_differ(tmp_path) -> None:
+    """Two ends are never the same text; what differs in the fifth digit alone is one number."""
+    tables = (BROWSER / "tables.js").read_text("utf-8")
+    texts = run_by_node(
+        page_of(gallery.four_bar_case_b()),
+        f"""{tables}
+        return [[1401.2, 1403.9], [1403.1, 1403.2], [999.7, 1001], [120, 130], [0, 12]]
+          .map((ends) => rangeText(ends, "N"))
+          .concat([rangeText([3, 5], "1"), rangeText([7, 7], "N"), endsText(3.201, 3.204, percent)]);""",
+        tmp_path,
+    )
+    expected = ["1.401 … 1.404 kN", "1.403 kN", "0.9997 … 1.001 kN", "120 … 130 N", "0 … 12 N", "3 … 5", ""]
+    assert texts == [*expected, "+3.201 % … +3.204 %"]

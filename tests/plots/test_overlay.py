@@ -160,6 +160,20 @@ def test_every_overlay_is_readable() -> None:
         assert len(curves(overlay(name, views, ["a", "b"]), "rod")) == 2
 
 
+def test_every_figure_of_the_outputs_of_a_turn_names_it() -> None:
+    """Guides, paths and portraits do as orbits do; spectra and energies are not of one turn."""
+    views = [run(turns=2), vfife.simulate(gallery.four_bar_case_b(), turns=2, outputs=120, companions=0)]
+    for name in ("orbits", "traces", "phase", "polar"):
+        assert ", last turn" in overlay(name, views, ["a", "b"]).get_suptitle().replace("\n", " "), name
+    assert "turn" not in overlay("energy", views, ["a", "b"]).get_suptitle()
+    loose = gallery.compressor()
+    loose.joints["cylinder"] = dataclasses.replace(loose.joints["cylinder"], clearance=4e-5)
+    views = [vfife.simulate(loose, turns=2, outputs=60, companions=0)] * 2
+    assert "blocks in their guides, last turn" in overlay("guides", views, ["a", "b"]).get_suptitle().replace(
+        "\n", " "
+    )
+
+
 def test_runs_differ_in_grey_print() -> None:
     dashes = {str(one["ls"]) for one in RUNS}
     assert len(dashes) == len(RUNS)

@@ -271,6 +271,69 @@ def test_maps_name_turns_and_errors_and_hatch_cells_within_them(
     assert "3 of 12 sampled cases are sensitive to the step; hatched: equal to the median" in title
 
 
+THREE = GRID + '[vary.fit]\npath = "joint.C.contact.restitution"\nvalues = [0.5, 0.7, 0.9]\n'
+
+
+def test_curves_of_medians_show_numerical_errors_beside_their_bands(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Bands are those of a third parameter: they are no uncertainty, and the bars stand beside them."""
+    found = with_errors(made(THREE, tmp_path, monkeypatch), 2.3456)
+    figure = found.plot("curves")["curves"]
+    title = figure.get_suptitle().replace("\n", " ")
+    assert "over fit, without numerical errors); bars: largest numerical error" in title
+    assert "3 of 12 sampled cases are sensitive to the step" in title
+    force, count = figure.axes
+    assert force.get_title("left").split("\n")[2] == "numerical error up to 2.35 N"
+    assert count.get_title("left").split("\n")[2] == "numerical error not estimated"
+    assert not any(isinstance(one, LineCollection) for one in count.collections)
+    bars = [one for one in force.collections if isinstance(one, LineCollection)]
+    assert len(bars) == 3
+    middle = np.median(found.laid_out("C.force.max")[0], axis=1)
+    ends = np.array([segment[:, 1] for segment in bars[0].get_segments()])
+    assert ends[:, 1] == pytest.approx(middle + 2.3456)
+
+
+def test_a_median_does_not_count_cases_without_impact_as_zero(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    name = "C.approach_speed.max"
+    found = made(THREE.replace('"C.impacts"', f'"{name}"'), tmp_path, monkeypatch)
+    for case in found.done:
+        found.outcomes[case.number]["measures"][name] = 0.1 + 0.2 * found.place(case)[2]
+    quiet = [case for case in found.done if found.place(case)[:2] == (0, 1)]
+    found.outcomes[quiet[0].number]["measures"][name] = 0.0
+    figures = found.plot("curves", "maps", measures=[name])
+    (ax,) = figures["curves"].axes
+    rings, line, *_ = ax.lines
+    assert rings.get_xdata().tolist() == [line.get_xdata()[1]] and rings.get_ydata().tolist() == [0.0]
+    assert line.get_ydata() == pytest.approx([0.3, 0.4, 0.3, 0.3]), "of 0.3 and 0.5, not of 0, 0.3 and 0.5"
+    assert "hollow: cases without impact" in ax.get_title("left")
+    ax = figures["maps"].axes[0]
+    (mesh,) = (one for one in ax.collections if isinstance(one, QuadMesh))
+    assert np.asarray(mesh.get_array())[0] == pytest.approx([0.3, 0.4, 0.3, 0.3])
+    assert [line.get_xdata().tolist() for line in ax.lines] == [rings.get_xdata().tolist()]
+    for case in quiet:
+        found.outcomes[case.number]["measures"][name] = 0.0
+    figures = found.plot("curves", "maps", measures=[name])
+    rings, line, *_ = figures["curves"].axes[0].lines
+    assert np.isnan(line.get_ydata()).tolist() == [False, True, False, False]
+    (mesh,) = (one for one in figures["maps"].axes[0].collections if isinstance(one, QuadMesh))
+    assert mesh.get_array()[0, 1] == 0.0 and len(rings.get_xdata()) == 1, "without any knock: no failed case"
+
+
+def test_forces_side_by_side_have_one_unit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    names = ["C.force.max", "B.force.max", "A.force.max"]
+    text = GRID.replace('"C.impacts"', '"B.force.max", "A.force.max"')
+    found = made(text, tmp_path, monkeypatch)
+    for outcome in found.outcomes.values():
+        outcome["measures"].update(zip(names, (2500.0, 1800.0, 3.0), strict=True))
+    for figure, count in (("curves", 3), ("maps", 3)):
+        axes = found.plot(figure, measures=names)[figure].axes[:count]
+        titles = [ax.get_title("left").split("\n")[0] for ax in axes]
+        assert titles == ["C.force.max (kN)", "B.force.max (kN)", "A.force.max (N)"], "3 N would be 0.003 kN"
+
+
 def test_titles_of_maps_stay_within_their_panels(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     names = ["C.force.max", "follower.angular_acceleration.max", "C.approach_speed.max", "C.penetration.max"]
     listed = ", ".join(f'"{name}"' for name in names[1:])
@@ -295,3 +358,29 @@ def test_error_bars_of_what_cannot_be_negative_end_at_zero(
     ends = np.array([segment[:, 1] for segment in bars.get_segments()])
     assert ends[:, 0] == pytest.approx(np.maximum(values - 3.0, 0.0)) and (ends[:, 0] == 0.0).any()
     assert ends[:, 1] == pytest.approx(values + 3.0)
+
+
+def test_a_case_without_impact_has_a_remark_beside_its_speed_and_no_part_in_means(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from vfife.report.study import extremes, remarks_on_turns
+
+    name = "C.approach_speed.max"
+    found = made(ASKED.replace('"C.impacts"', f'"{name}"'), tmp_path, monkeypatch)
+    speeds = [0.0, 0.2, 0.4, 0.2, 0.4, 0.3]
+    for case, speed in zip(found.done, speeds, strict=True):
+        found.outcomes[case.number]["measures"][name] = speed
+    columns = {column.name: column for column in found.table_columns()}
+    heads = list(columns)
+    assert heads[heads.index(name) + 2] == f"{name}.remark" and "C.force.max.remark" not in heads
+    assert columns[name].values == speeds, "the numbers stay"
+    assert columns[f"{name}.remark"].values == ["no impact", *[None] * 5]
+    found.export(tmp_path / "a.csv")
+    heads, first, second, *_ = (tmp_path / "a.csv").read_text("utf-8").splitlines()
+    assert f"{name}.remark," in heads and ",no impact," in first and "no impact" not in second
+    entry = extremes(found)[name]
+    assert (entry["least"], entry["mean"]) == (0.0, pytest.approx(0.3)) and entry["count"] == 6
+    assert any("means are of the other cases" in text for text in remarks_on_turns(found))
+    for case in found.done:
+        found.outcomes[case.number]["measures"][name] = 0.0
+    assert extremes(found)[name]["mean"] == 0.0, "no impact in any case"

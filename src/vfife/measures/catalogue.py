@@ -35,7 +35,16 @@ COUNTS = {
     "impacts": "onsets", "grazing": "grazing", "deep_landings": "deep", "landing_depth.max": "deepest",
     "approach_speed.max": "fastest"
 }  # fmt: skip
+IMPACT_SPEED = ".approach_speed.max"  # end of the name of a measure that is 0 without impacts
+NO_IMPACT = "no impact"
 SUMS = ("onsets", "grazing", "deep")  # of the rows of COUNTS: numbers of contacts since the start
+
+
+def is_no_impact(name: str, value: float | None) -> bool:
+    """Return whether a measure of a case is the largest impact speed of one without impacts: it is no speed,
+    and no mean or median counts it as 0.
+    """
+    return value == 0.0 and name.endswith(IMPACT_SPEED)
 
 
 @dataclass(frozen=True, eq=False)

@@ -76,6 +76,7 @@ RUNS: tuple[dict[str, Any], ...] = (  # colours of different brightness, and das
     {"color": GREEN, "ls": (0, (3, 1.4))},
     {"color": PURPLE, "ls": (0, (6, 1.2, 1.2, 1.2, 1.2, 1.2))},
 )
+OF_RUN = ("whole", "amplitude")  # shapes of figures that are not of the outputs of a turn
 MEAN, OF_MEAN = "means", " *"  # before peaks in narrow panels, and behind one that is a mean beside others
 ALIKE = 1e-3  # of the largest value: ideal curves that differ by less are one
 
@@ -332,7 +333,7 @@ def overlay(
     lines = {label: Line2D([], [], lw=1.6, **look_of(k)) for k, label in enumerate(labels)}
     panels.entries = lines | legend_entries(panels.axes)
     names = " and ".join(dict.fromkeys(run.name for run in runs))
-    turns = {shown_turn(run, shown_span(run)) for run in runs} if kind.shape in ("turn", "square") else {""}
+    turns = {shown_turn(run, shown_span(run)) for run in runs} if kind.shape not in OF_RUN else {""}
     turn = turns.pop() if len(turns) == 1 else ""
     if any(ax.get_title(loc="right").startswith(MEAN) for ax in panels.axes):
         turn += ", means of peaks"

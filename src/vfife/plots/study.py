@@ -18,30 +18,34 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ..errors import VfifeError, shown, suggestion
+from ..measures.catalogue import NO_IMPACT
 from ..measures.extrapolation import NEVER_NEGATIVE
 from ..numerics.pareto import front
-from ..report.study import NO_IMPACT
 from ..results.parameters import Varied
 from ..results.study import Study
 from .notebook import sharp
 from .study_axes import (
     EMPTY,
-    HOLLOW,
-    arranged,
     axes_of,
     broken_name,
+    error_line,
     even_indices,
+    hollow_words,
     label_axis,
+    largest_error,
     measure_panels,
     name_with_unit,
     no_impact,
     other_dimensions,
+    places_of_cases,
     positions,
     readable_parameter,
     ring,
     sensitive_words,
+    shared_scales,
     turns_of_measure,
     unit_of_axis,
+    with_impact,
 )
 from .study_maps import heat_maps
 from .style import (
@@ -73,16 +77,22 @@ def curves(study: Study, measures: list[str]) -> Figure | None:
     if not parameters or (drawn := measure_panels(study, measures, 3.5)) is None:
         return None
     figure, axes = drawn
+    scales = shared_scales(study, list(axes))
     for name, ax in axes.items():
-        curve_panel(ax, study, name, parameters)
+        curve_panel(ax, study, name, parameters, scales[name])
     one_legend(figure, axes.values())
-    dimensions = other_dimensions(study, parameters)
-    band = f" (medians; bands: {100.0 * BAND[0]:g} to {100.0 * BAND[1]:g} % over {dimensions})"
-    count = len(study.axes[parameters[1].name]) if len(parameters) > 1 else 0
-    part = f"; {MOST_CURVES} of {count} values of {parameters[1].name}" if count > MOST_CURVES else ""
-    bars = f"; bars: {bar_words(study)}" if study.errors and not dimensions else ""
-    heading(figure, study.model + part + (band if dimensions else bars), study.progress)
+    heading(figure, study.model + curve_words(study, parameters, list(axes)), study.progress)
     return figure
+
+
+def curve_words(study: Study, parameters: list[Varied], names: list[str]) -> str:
+    """Return which values the curves of measures over parameters are of, and what bands and bars show."""
+    count = len(study.axes[parameters[1].name]) if len(parameters) > 1 else 0
+    text = f"; {MOST_CURVES} of {count} values of {parameters[1].name}" if count > MOST_CURVES else ""
+    if dimensions := other_dimensions(study, parameters):
+        ends = f"{100.0 * BAND[0]:g} to {100.0 * BAND[1]:g} %"
+        text += f" (medians; bands: {ends} over {dimensions}, without numerical errors)"
+    return text + (f"; bars: {bar_words(study)}" if any(name in study.errors for name in names) else "")
 
 
 def bar_words(study: Study) -> str:
@@ -91,35 +101,40 @@ def bar_words(study: Study) -> str:
     return f"largest numerical error; {text}" if text else "typical numerical error"
 
 
-def curve_panel(ax: Axes, study: Study, name: str, parameters: list[Varied]) -> None:
+def curve_panel(
+    ax: Axes, study: Study, name: str, parameters: list[Varied], scale: tuple[float, str]
+) -> None:
     """Draw the curves of a measure over the first parameter, one for each value of the second."""
     first, *legend_parameters = parameters
-    values = arranged(study, study.laid_out(name), parameters)
+    values, errors = places_of_cases(study, name, parameters)
     labels: list[str | None] = [None]
     for second in legend_parameters:
         texts, label_unit = value_labels(study.axes[second.name], second)
         labels = [f"{second.name} {text} {label_unit}".rstrip() for text in texts]
     values = values.reshape(len(values), len(labels), -1)
-    factor, unit = readable(values, study.measures[name])
+    errors, (factor, unit) = errors.reshape(values.shape), scale
     x, x_unit = positions(study.axes[first.name], first)
-    hollow = ""
-    for colour, k in enumerate(even_indices(len(labels), MOST_CURVES)):
-        middle, low, high = (factor * ends for ends in quantiles(values[:, k, :]))
+    shown = even_indices(len(labels), MOST_CURVES)
+    for colour, k in enumerate(shown):
         look = BODIES[colour % len(BODIES)]
-        if (quiet := no_impact(name, middle)).any():
-            hollow = HOLLOW
-            ax.plot(x[quiet], middle[quiet], color=look, **ring(colour))
-            middle = np.where(quiet, np.nan, middle)
+        curve = factor * with_impact(name, values[:, k])
+        middle, low, high = quantiles(curve)
+        if (quiet := no_impact(name, values[:, k]).any(axis=1)).any():
+            ax.plot(x[quiet], np.zeros(quiet.sum()), color=look, **ring(colour))
         ax.plot(x, middle, color=look, marker="o", ms=3.0 if len(x) < 30 else 0.0, label=labels[k])
         if values.shape[2] > 1:
             ax.fill_between(x, low, high, color=look, alpha=0.18, lw=0.0)
-        elif name in study.errors:
-            bars = arranged(study, study.error_bars(name), parameters).reshape(values.shape)[:, k, 0]
-            ends = error_ends(name, middle, factor * bars)
+        if name in study.errors:
+            bars = factor * largest_error(name, values[:, k], errors[:, k])
+            ends = error_ends(name, middle, bars)
             ax.errorbar(x, middle, ends, fmt="none", ecolor=look, elinewidth=0.8)
     label_axis(ax, first, study.axes[first.name], x, unit_of_axis(study, first, x_unit))
     label_counts(ax, values)
-    ax.set_title(f"{name_with_unit(name, unit)}\n{turns_of_measure(study, name)}{hollow}")
+    turns = turns_of_measure(study, name) + hollow_words(no_impact(name, values[:, shown]))
+    lines = [name_with_unit(name, unit), turns]
+    if values.shape[2] > 1:
+        lines.append(error_line(study, name, factor, unit))
+    ax.set_title("\n".join(lines))
 
 
 def label_counts(ax: Axes, values: Array) -> None:

@@ -13,11 +13,12 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 from numpy.typing import NDArray
 
-from ..measures.catalogue import CASE, COUNTED, counted_from_start
-from ..report.study import IMPACT_SPEED, NO_IMPACT
+from ..measures.catalogue import CASE, COUNTED, IMPACT_SPEED, NO_IMPACT, counted_from_start
+from ..numerics.outward import UP, significant
+from ..results.case_errors import NOT_ESTIMATED
 from ..results.parameters import Varied
 from ..results.study import Study
-from .style import RPM, Array, panels, readable
+from .style import RPM, Array, digits, panels, readable
 
 MOST_TICKS, MOST_PANELS = 7, 6  # of a logarithmic axis; of a figure
 
@@ -144,8 +145,10 @@ def even_indices(count: int, limit: int) -> list[int]:
 
 
 EMPTY: dict[str, Any] = {"ls": "", "marker": "o", "ms": 6.0, "mfc": "white", "zorder": 4}
+LEAST_SHARE = 0.05  # of the largest measure with the same unit: smaller ones have a unit of their own
 RING = 3.0  # points by which the hollow marker of the next curve is larger
 HOLLOW = f"; hollow: {NO_IMPACT}"
+HOLLOW_SOME = "; hollow: cases without impact"  # among others at the same place
 
 
 def ring(curve: int) -> dict[str, Any]:
@@ -158,6 +161,63 @@ def ring(curve: int) -> dict[str, Any]:
 def no_impact(name: str, values: Array) -> NDArray[np.bool_]:
     """Return where values of a measure are largest impact speeds of cases without impacts."""
     return np.asarray((values == 0.0) & name.endswith(IMPACT_SPEED))
+
+
+def hollow_words(quiet: NDArray[np.bool_]) -> str:
+    """Return what hollow circles are: places whose cases, or some of whose cases, have no impact; "" without
+    any.
+    """
+    if not quiet.any():
+        return ""
+    return HOLLOW if quiet.shape[-1] == 1 else HOLLOW_SOME
+
+
+def with_impact(name: str, values: Array) -> Array:
+    """Return values of a measure, NaN for those that are no impact: a median does not count them as 0."""
+    return np.where(no_impact(name, values), np.nan, values)
+
+
+def shared_scales(study: Study, names: Sequence[str]) -> dict[str, tuple[float, str]]:
+    """Return factor and unit of each measure: one for those of the same kind that lie side by side, after the
+    largest, unless a measure is less than LEAST_SHARE of it.
+    """
+    sizes = {name: float(np.nanmax(np.abs(study.values(name)))) for name in names}
+    scales = {}
+    for name in names:
+        unit = study.measures[name]
+        largest = max(sizes[key] for key in names if study.measures[key] == unit)
+        size = largest if sizes[name] >= LEAST_SHARE * largest else sizes[name]
+        scales[name] = readable([size], unit)
+    return scales
+
+
+def places_of_cases(study: Study, name: str, parameters: Sequence[Varied]) -> tuple[Array, Array]:
+    """Return for the cases at each place over parameters, along their axes and one for all other dimensions,
+    the values of a measure, and the errors that a figure shows; NaN where they are unknown.
+    """
+    values = arranged(study, study.laid_out(name), parameters)
+    if name not in study.errors:
+        return values, np.full(values.shape, np.nan)
+    return values, arranged(study, study.error_bars(name), parameters)
+
+
+def largest_error(name: str, values: Array, errors: Array) -> Array:
+    """Return the largest error of the values along the last axis, which that of their median does not exceed;
+    0 where none is known. Cases without impact count only where no other one is.
+    """
+    bars = np.where(np.isfinite(with_impact(name, values)), errors, np.nan)
+    bars = np.where(np.isfinite(bars).any(axis=-1, keepdims=True), bars, errors)
+    return np.asarray(np.max(bars, axis=-1, initial=0.0, where=np.isfinite(bars)))
+
+
+def error_line(study: Study, name: str, factor: float, unit: str) -> str:
+    """Return the numerical error of a measure, which is multiplied by a factor to have the unit."""
+    if (error := study.errors.get(name)) is None:
+        return f"numerical error {NOT_ESTIMATED}"
+    size, word = (error.most, "up to") if error.sensitive else (error.typical, "typically")
+    if size < error.floor:
+        size, word = error.floor, "typically below"
+    return f"numerical error {word} {digits(float(significant(factor * size, 3, UP)))} {unit}".rstrip()
 
 
 def turns_of_measure(study: Study, name: str) -> str:

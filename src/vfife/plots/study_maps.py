@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,28 +11,30 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
-from ..numerics.outward import UP, significant
-from ..results.case_errors import NOT_ESTIMATED
 from ..results.parameters import Varied
 from ..results.study import Study
 from .study_axes import (
     EMPTY,
-    HOLLOW,
-    arranged,
     axes_of,
     broken_name,
     edges,
+    error_line,
+    hollow_words,
     label_axis,
+    largest_error,
     measure_panels,
     name_with_unit,
     no_impact,
     other_dimensions,
+    places_of_cases,
     positions,
     sensitive_words,
+    shared_scales,
     turns_of_measure,
     unit_of_axis,
+    with_impact,
 )
-from .style import FAINT, INK, Array, digits, heading, readable
+from .style import FAINT, INK, Array, heading
 
 LEAST_VALUES = 3  # values of each of two parameters that make a map
 
@@ -49,8 +50,9 @@ def heat_maps(study: Study, measures: list[str]) -> Figure | None:
         return None
     figure, axes = drawn
     across, up = parameters[:2]
+    scales = shared_scales(study, list(axes))
     for name, ax in axes.items():
-        map_panel(figure, ax, study, name, across, up)
+        map_panel(figure, ax, study, name, across, up, scales[name])
     dimensions = other_dimensions(study, parameters[:2])
     medians = f" (median over {dimensions})" if dimensions else ""
     sensitive = f"; {text}" if (text := sensitive_words(study)) else ""
@@ -65,53 +67,48 @@ HATCH: dict[str, Any] = {"fill": False, "hatch": "////", "edgecolor": "#9a9a9a",
 HATCHED = "hatched: equal to the median of the map within the numerical error"
 
 
-def error_line(study: Study, name: str, factor: float, unit: str) -> str:
-    """Return the numerical error of a measure, which is multiplied by a factor to have the unit."""
-    if (error := study.errors.get(name)) is None:
-        return f"numerical error {NOT_ESTIMATED}"
-    size, word = (error.most, "up to") if error.sensitive else (error.typical, "typically")
-    if size < error.floor:
-        size, word = error.floor, "typically below"
-    return f"numerical error {word} {digits(float(significant(factor * size, 3, UP)))} {unit}".rstrip()
-
-
-def within_error(study: Study, name: str, values: Array, parameters: Sequence[Varied]) -> NDArray[np.bool_]:
-    """Return which ``values`` of a map over parameters differ from their median by less than their numerical
-    error, or by nothing that can be known.
+def within_error(study: Study, name: str, middle: Array, values: Array, errors: Array) -> NDArray[np.bool_]:
+    """Return which cells of a map, the medians of ``values``, differ from their median by less than their
+    numerical error, or by nothing that can be known.
     """
     if name not in study.errors:
-        return np.zeros(values.shape, dtype=bool)
+        return np.zeros(middle.shape, dtype=bool)
+    cells = np.where(no_impact(name, values).any(axis=2) & np.isnan(middle), 0.0, middle)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # an unknown value stays unknown
-        bars = np.nanmax(arranged(study, study.error_bars(name), parameters), axis=2)
-        return np.asarray(np.abs(values - np.nanmedian(values)) < bars)
+        away = np.abs(cells - np.nanmedian(middle))
+    return np.asarray((away < largest_error(name, values, errors)) & np.isfinite(values).any(axis=2))
 
 
-def map_panel(figure: Figure, ax: Axes, study: Study, name: str, across: Varied, up: Varied) -> None:
+def map_panel(
+    figure: Figure, ax: Axes, study: Study, name: str, across: Varied, up: Varied, scale: tuple[float, str]
+) -> None:
     """Draw a map of a measure over two parameters; cells that equal its median within the numerical error are
     hatched.
     """
+    values, errors = places_of_cases(study, name, (up, across))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # an unknown value stays unknown
-        values = np.nanmedian(arranged(study, study.laid_out(name), (up, across)), axis=2)
+        middle = np.nanmedian(with_impact(name, values), axis=2)
+    quiet = no_impact(name, values)
+    silent = quiet.any(axis=2) & np.isnan(middle)
     (x, x_unit), (y, y_unit) = (
         positions(study.axes[parameter.name], parameter) for parameter in (across, up)
     )
-    factor, unit = readable(values, study.measures[name])
+    factor, unit = scale
     ax.set_facecolor(FAINT)
-    drawn = ax.pcolormesh(
-        edges(x), edges(y), np.ma.masked_invalid(factor * values), cmap="viridis", rasterized=True
-    )
+    colours = np.ma.masked_invalid(factor * np.where(silent, 0.0, middle))
+    drawn = ax.pcolormesh(edges(x), edges(y), colours, cmap="viridis", rasterized=True)
     label_axis(ax, across, study.axes[across.name], x, unit_of_axis(study, across, x_unit))
     label_axis(ax, up, study.axes[up.name], y, unit_of_axis(study, up, y_unit), "y")
     ax.grid(visible=False)
-    rows, columns = np.nonzero(no_impact(name, values))
+    rows, columns = np.nonzero(quiet.any(axis=2))
     ax.plot(x[columns], y[rows], color=INK, **EMPTY)
     right, top = edges(x), edges(y)
-    for row, column in np.argwhere(within_error(study, name, values, (up, across))):
+    for row, column in np.argwhere(within_error(study, name, middle, values, errors)):
         corner, sides = (right[column], top[row]), (np.diff(right)[column], np.diff(top)[row])
         ax.add_patch(Rectangle(corner, *sides, **HATCH))
-    turns = turns_of_measure(study, name) + HOLLOW * bool(len(rows))
+    turns = turns_of_measure(study, name) + hollow_words(quiet)
     lines = (
         broken_name(name_with_unit(name, unit), TITLE_WIDTH),
         turns,

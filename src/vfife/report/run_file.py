@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ..errors import VfifeError
 from ..job.progress import amount_of_bytes, span
 from ..measures.error_ranges import LEAST_CHANGE
 from ..measures.stops import stop_sentence
+from ..measures.values import NOT_ESTIMATED
 from ..numerics.outward import significant_range
 from ..solvers.status import Status
-from . import dead_centres
+from . import amounts, dead_centres, digits
 from .amounts import interval, percent
 from .digits import Json, is_about_zero, is_estimated, is_undetermined, plain_number, range_text, turns_text
 from .document import Caution, Document, Facts, Paragraph, Part, Table, grouped
-from .overview import cautions, certainty, has_fall, heading_sentence, moment_texts, overview
-from .run_tables import force_text
+from .noise import knock_speed
+from .overview import NOT_COMPUTED, cautions, certainty, has_fall, heading_sentence, moment_texts, overview
+from .run_tables import force_text, knock_texts, lacks_friction, mean_text, of_contacts
 
 if TYPE_CHECKING:
     from ..measures.contacts import Impact, Impacts
@@ -212,7 +215,7 @@ CHANGE_RANGE = (
 
 def side_by_side(summaries: Mapping[str, Json]) -> Document:
     """Return a table of the largest force of each joint in several runs, and of moments that are not
-    negligible.
+    negligible, and one of knocks, friction and drives.
 
     ``summaries`` are those of :func:`vfife.report.summary.run_summary` by the name of the run. A column
     beside each run after the first is the change from the first, unless the ranges of both overlap. Raises
@@ -221,44 +224,170 @@ def side_by_side(summaries: Mapping[str, Json]) -> Document:
     if static := [name for name, summary in summaries.items() if summary["run"].get("analysis") == "static"]:
         raise VfifeError(f"{static[0]} is a static analysis, which has no largest forces; name it by itself")
     names = list(summaries)
-    joints = list(dict.fromkeys(joint for summary in summaries.values() for joint in summary["joints"]))
-    moments = {joint for summary in summaries.values() for joint in moment_texts(summary)}
-    rows = [_row(summaries, joint, f"{joint}.force.max", "N", joint) for joint in joints]
-    rows += [
-        _row(summaries, joint, f"{joint}.moment.max", "N m", f"{joint}, moment")
-        for joint in joints
-        if joint in moments
-    ]
     changes = (head for name in names[1:] for head in (name, "change"))
-    heads = ("joint", *names[:1], *changes)
-    table = Table(heads, rows, "Largest forces", numbers=range(1, len(heads)), names=(0,))
+    heads, forces, drives = (*names[:1], *changes), _force_rows(summaries), _other_rows(summaries)
     facts = [
         (label if k == 0 else "", text)
         for label, summary in summaries.items()
         for k, text in enumerate((heading_sentence(summary), certainty(summary)))
     ]
-    parts: list[Part] = [Facts(facts), table]
+    numbers = range(1, len(heads) + 1)
+    parts: list[Part] = [
+        Facts(facts),
+        Table(("joint", *heads), forces, "Largest forces", numbers=numbers, names=(0,)),
+    ]
+    if drives:
+        title = "Knocks, friction and drives"
+        parts.append(Table(("of", *heads), drives, title, numbers=numbers, names=(0,)))
     commands = [f"vfife info {name}" for name, summary in summaries.items() if any(cautions(summary))]
     shown_by = f"Cautions: {', '.join(commands)}. " if commands else ""
     parts.append(
         Paragraph(
             f"{CHANGE_RANGE} {shown_by}Figures of these runs in one: vfife plot {' '.join(names)}"
-            if any(" to " in cell for row in rows for cell in row[3::2])
+            if any(" to " in cell for row in (*forces, *drives) for cell in row[3::2])
             else f"{shown_by}Figures of these runs in one: vfife plot {' '.join(names)}"
         )
     )
     return Document(parts, data={"runs": {name: _data(summary) for name, summary in summaries.items()}})
 
 
-def _row(summaries: Mapping[str, Json], joint: str, measure: str, unit: str, label: str) -> tuple[str, ...]:
-    """Return the label of a row, the measure in each run, and beside those after the first its change."""
+Text = Callable[[Json, str], str]  # of a measure of a run, by its name
+
+
+def _force_rows(summaries: Mapping[str, Json]) -> list[tuple[str, ...]]:
+    """Return the rows of largest forces, then those of moments that are not negligible in any run."""
+    joints = list(dict.fromkeys(joint for summary in summaries.values() for joint in summary["joints"]))
+    moments = {joint for summary in summaries.values() for joint in moment_texts(summary)}
+    rows = [_row(summaries, joint, f"{joint}.force.max", force_text) for joint in joints]
+    torque = partial(force_text, unit="N m")
+    return rows + [
+        _row(summaries, f"{joint}, moment", f"{joint}.moment.max", torque)
+        for joint in joints
+        if joint in moments
+    ]
+
+
+def _other_rows(summaries: Mapping[str, Json]) -> list[tuple[str, ...]]:
+    """Return the rows of the hardest knock and the friction power of each joint, and of each driver and
+    actuator, with the texts of the answers of single runs.
+    """
+    runs = list(summaries.values())
+    joints = list(dict.fromkeys(joint for summary in runs for joint in summary["joints"]))
+    rows = [
+        _row(summaries, f"{joint}, hardest knock", joint, _knock_text, _knock_change)
+        for joint in joints
+        if any(knock_texts(summary, joint)[0] for summary in runs)
+    ]
+    if any(knock_texts(summary, joint)[1] for summary in runs for joint in joints):
+        label = "hardest knock, whole run"
+        rows.append(_row(summaries, label, "", _fastest_text, _fastest_change))
+    for joint in joints:
+        measure = f"{joint}.friction_power.mean"
+        if any(summary["measures"].get(measure) for summary in runs):
+            rows.append(_row(summaries, f"{joint}, friction power", measure, _friction_text, _measure_change))
+    rows += [
+        _row(summaries, label, measure, text)
+        for label, measure, text in _drives(runs)
+        if any(measure in summary["measures"] for summary in runs)
+    ]
+    return rows
+
+
+def _drives(runs: Sequence[Json]) -> Iterator[tuple[str, str, Text]]:
+    """Yield label, measure and text of the powers, torques and forces of drivers and actuators."""
+    power = partial(mean_text, unit="W", certain=digits.SCATTER)
+    torque = partial(mean_text, unit="N m", certain=digits.CERTAIN)
+    bodies = dict.fromkeys(
+        name
+        for summary in runs
+        for name, body in summary["model"]["bodies"].items()
+        if body["torque.max"] is not None
+    )
+    for name in bodies:
+        yield f"{name}, mean power", f"{name}.power.mean", power
+        yield f"{name}, mean torque", f"{name}.torque.mean", torque
+        yield f"{name}, largest torque", f"{name}.torque.max", partial(force_text, unit="N m")
+    actuators = {name: entry for summary in runs for name, entry in summary.get("actuators", {}).items()}
+    for name, entry in actuators.items():
+        kind = "force" if entry["unit"] == "N" else "torque"
+        yield f"{name}, mean power", f"{name}.actuator_power.mean", power
+        yield f"{name}, largest {kind}", entry["measure"], partial(force_text, unit=entry["unit"])
+
+
+def _friction_text(summary: Json, measure: str) -> str:
+    if lacks_friction(summary, measure.partition(".")[0]):
+        return NOT_COMPUTED
+    return mean_text(summary, measure, "W", amounts.WIDE) if summary["measures"].get(measure) else ""
+
+
+def _knock_text(summary: Json, joint: str) -> str:
+    return knock_texts(summary, joint)[0] if joint in summary["joints"] else ""
+
+
+def _knock_change(summaries: Sequence[Json], joint: str) -> str:
+    """Return the change of the hardest knock of a joint in the turns of the measures; "" where one run has
+    none, or its error is not estimated.
+    """
+    texts = [_knock_text(summary, joint) for summary in summaries]
+    if any(NOT_ESTIMATED in text for text in texts) or not all(knock_speed(s, joint) for s in summaries):
+        return ""
+    names = [of_contacts(summary, joint, "approach_speed.max") for summary in summaries]
+    return _change_of_largest(summaries, names)
+
+
+def _speeds(summary: Json) -> list[str]:
+    return [name for name in summary["measures"] if name.endswith(".approach_speed.max")]
+
+
+def _fastest_text(summary: Json, _: str) -> str:
+    names = _speeds(summary)
+    if not any(summary["measures"][name] for name in names):
+        return "none" if names else ""
+    return digits.largest_text(summary, names, "m/s", digits.CERTAIN)
+
+
+def _fastest_change(summaries: Sequence[Json], _: str) -> str:
+    return _change_of_largest(summaries, [_speeds(summary) for summary in summaries])
+
+
+def _change_of_largest(summaries: Sequence[Json], names: Sequence[Sequence[str]]) -> str:
+    """Return the change of the largest of some measures, ``names`` by run; "" where one is not known."""
+    values, ends = [], []
+    for summary, measures in zip(summaries, names, strict=True):
+        if not measures or not all(is_estimated(summary, name) for name in measures):
+            return ""
+        largest = max(measures, key=summary["measures"].__getitem__)
+        if is_about_zero(summary, largest) or any(is_undetermined(summary, name) for name in measures):
+            return ""
+        values.append(float(summary["measures"][largest]))
+        pairs = [_ends(summary, name) for name in measures]
+        ends.append((max(low for low, _ in pairs), max(high for _, high in pairs)))
+    return _change(values, ends, largest=True) if all(values) else ""
+
+
+def _row(
+    summaries: Mapping[str, Json],
+    label: str,
+    measure: str,
+    text: Text,
+    change: Callable[[Sequence[Json], str], str] | None = None,
+) -> tuple[str, ...]:
+    """Return the label of a row, the text of a measure in each run, and beside those after the first its
+    change: that of the measure, or ``change`` of both runs.
+    """
     first, cells = next(iter(summaries.values())), [label]
     for summary in summaries.values():
-        cells.append(force_text(summary, measure, unit) if measure in summary["measures"] else "-")
+        has_text = change is not None or measure in summary["measures"]
+        cells.append((text(summary, measure) if has_text else "") or "-")
         if summary is not first:
-            pair = [first, summary]
-            cells.append(change_text(pair, measure) if all(measure in s["measures"] for s in pair) else "")
+            cells.append((change or _measure_change)([first, summary], measure))
     return tuple(cells)
+
+
+def _measure_change(summaries: Sequence[Json], measure: str) -> str:
+    if not all(measure in summary["measures"] for summary in summaries):
+        return ""
+    return change_text(summaries, measure)
 
 
 def change_text(summaries: Sequence[Json], measure: str) -> str:
@@ -268,11 +397,18 @@ def change_text(summaries: Sequence[Json], measure: str) -> str:
         return ""
     if not all(is_estimated(summary, measure) for summary in summaries):
         return percent(100.0 * (new - old) / abs(old))
-    (low, high), (lowest, highest) = (_ends(summary, measure) for summary in summaries)
+    return _change([old, new], [_ends(summary, measure) for summary in summaries], measure.endswith(".max"))
+
+
+def _change(values: Sequence[float], ends: Sequence[tuple[float, float]], largest: bool) -> str:
+    """Return the change from the first of two ``values`` in per cent, as a range where their ranges
+    (``ends``) leave it open; ``largest`` values cannot be negative.
+    """
+    (old, new), ((low, high), (lowest, highest)) = values, ends
     if old != new and low <= highest and lowest <= high:
         return OVERLAP
     bottom, top = 100.0 * (lowest - high) / abs(old), 100.0 * (highest - low) / abs(old)
-    if measure.endswith(".max"):
+    if largest:
         bottom = max(bottom, LEAST_CHANGE)
     if top - bottom > WIDE:
         return interval(bottom, top, "%", top - bottom, prefix=False)
@@ -287,18 +423,23 @@ def _ends(summary: Json, measure: str) -> tuple[float, float]:
 
 
 def _data(summary: Json) -> Json:
-    """Return model, part and, for each joint, force (N) and moment (N m) with their ranges; of a run whose
-    largest forces are those of the fall at its start also ``start_fall``, see the summary.
+    """Return model, part and the measures of the tables with their ranges, in SI units; the knocks in the
+    turns of the measures by contact; of a run whose largest forces are those of the fall at its start also
+    ``start_fall``, see the summary.
     """
-    names = [f"{joint}.{kind}.max" for joint in summary["joints"] for kind in ("force", "moment")]
+    endings = ("force.max", "moment.max", "friction_power.mean")
+    names = [f"{joint}.{kind}" for joint in summary["joints"] for kind in endings]
+    names += [*_speeds(summary), *(measure for _, measure, _ in _drives([summary]))]
     return {
         "model": summary["model"]["name"],
         "part": summary["part"],
         "measures": {
             name: {"value": summary["measures"][name]}
             | dict(zip(("low", "high"), _ends(summary, name), strict=True))
+            | ({} if is_estimated(summary, name) else {"estimated": False})
             for name in names
             if name in summary["measures"]
         },
+        "knocks": summary.get("knocks", {}),
         **({"start_fall": summary["start_fall"]} if has_fall(summary) else {}),
     }

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..measures.catalogue import IMPACT_SPEED, NO_IMPACT
 from .amounts import limit_digits, limit_quantity, quantities, quantity
 from .document import Caution, Document, Paragraph, Part, Table
-from .study import IMPACT_SPEED, NO_IMPACT, measure_words, no_blows, remarks_on_start
+from .study import measure_words, no_blows, remarks_on_start
 
 if TYPE_CHECKING:
     from ..studies.study_work import Allocation, Optimum

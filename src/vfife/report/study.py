@@ -11,6 +11,7 @@ import numpy as np
 
 from ..job.progress import counted
 from ..laws.stored import standing_in
+from ..measures import catalogue
 from ..measures.catalogue import CASE, COUNTED, COUNTS_KEY, LAST, counted_from_start, is_reduction
 from ..measures.landings import FORCE_ENDINGS
 from ..modelfile import loads
@@ -42,8 +43,6 @@ if TYPE_CHECKING:
 MOST_FAILED = 10  # failed cases that are shown
 LEAST_GROUPS = 256  # of a design of Saltelli, as recommended by docs/tolerance.md
 FORCE = ".force.max"  # end of the name of a measure whose largest value needs the cautions of a run
-IMPACT_SPEED = ".approach_speed.max"  # end of the name of a measure that is 0 without impacts
-NO_IMPACT = "no impact"
 # What measures of impacts leave out, after the name of the joint whose largest force has it.
 NO_BLOWS = (
     "A blow in closed contact is no impact and is not counted here: {}.force.max has it, and vfife run with"
@@ -80,8 +79,8 @@ def measure_words(name: str, value: float | None, unit: str, digits: Digits | No
     """Return a value of a measure with the ``digits`` of its column; a largest impact speed of 0 in words,
     because it is no speed.
     """
-    if value == 0.0 and name.endswith(IMPACT_SPEED):
-        return NO_IMPACT
+    if catalogue.is_no_impact(name, value):
+        return catalogue.NO_IMPACT
     return quantity(value, unit) if digits is None else quantity_of_digits(value, unit, digits)
 
 
@@ -119,7 +118,9 @@ def no_blows(measure: str) -> str:
 
 
 def extremes(study: Study) -> dict[str, dict[str, Any]]:
-    """Return least, mean and largest value of each measure, and the parameters at the extremes."""
+    """Return least, mean and largest value of each measure, and the parameters at the extremes. Means are of
+    the cases with impacts.
+    """
     names, entries = [parameter.name for parameter in study.parameters], {}
     for name, unit in study.measures.items():
         pairs = [
@@ -127,7 +128,9 @@ def extremes(study: Study) -> dict[str, dict[str, Any]]:
             for value, case in zip(study.values(name), study.done, strict=True)
             if math.isfinite(value)
         ]
-        mean = math.fsum(value for value, _ in pairs) / len(pairs) if pairs else None
+        values = [value for value, _ in pairs]
+        counted = [value for value in values if not catalogue.is_no_impact(name, value)] or values
+        mean = math.fsum(counted) / len(counted) if counted else None
         ends: dict[str, dict[str, Any]] = {}
         for end, choose in (("least", min), ("largest", max)):
             value, case = choose(pairs, key=lambda pair: pair[0]) if pairs else (None, None)
@@ -240,11 +243,12 @@ def remarks_on_turns(study: Study) -> list[str]:
             " which impacts may lie; compare with four times the outputs, or take measures of all steps, as"
             " in C.force.max."
         )
-    speeds = (name for name in counts if name.endswith(IMPACT_SPEED))
+    speeds = (name for name in counts if name.endswith(catalogue.IMPACT_SPEED))
     if quiet := [name for name in speeds if 0.0 in study.values(name)]:
         remarks.append(
-            f"{', '.join(quiet)}: {NO_IMPACT} means that the journal never left its bearing in this case;"
-            f" neighbouring values may knock hard. {no_blows(quiet[0])}"
+            f"{', '.join(quiet)}: {catalogue.NO_IMPACT} means that the journal never left its bearing in this"
+            " case; neighbouring values may knock hard, and means are of the other cases."
+            f" {no_blows(quiet[0])}"
         )
     single = plan["last"] == 1 and plan["settle"] is None and not plan.get("duration")
     compared = any(outcome.get("ranges") for outcome in study.outcomes.values())

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..errors import VfifeError, former_names, shown, suggestion
 from ..files import DataTable, path_of, share_done, with_completeness
+from ..measures.catalogue import IMPACT_SPEED, NO_IMPACT, is_no_impact
 from ..options import with_faults
 from ..solvers.status import Status
 from ..store.connections import warn_of_damage
@@ -441,7 +442,7 @@ class Study(DataTable):
 
     def table_columns(self) -> list[TableColumn]:
         """Return the columns of the table of cases: number, parameters, measures, each followed by its
-        largest numerical error, and status.
+        largest numerical error and, of impact speeds, whether there was no impact; and status.
         """
         rows, units = self.rows(), {parameter.name: parameter.unit for parameter in self.parameters}
         units |= {**self.measures, "step": "s"}
@@ -456,6 +457,9 @@ class Study(DataTable):
             if name in self.measures:
                 errors = self._case_errors(name, values)
                 columns.append(TableColumn(f"{name}.error", errors, unit, {}, float))
+            if name.endswith(IMPACT_SPEED):
+                remarks = [NO_IMPACT if is_no_impact(name, value) else None for value in values]
+                columns.append(TableColumn(f"{name}.remark", remarks, kind=str))
         return columns
 
     def _case_errors(self, measure: str, values: Sequence[float | None]) -> list[float | None]:

@@ -1,13 +1,23 @@
 // Table of peaks in the last turn, with their range over the turns shown and the increase over the ideal mechanism.
 
+// Range of values with as many digits, three or four, as its ends need to differ; one number where four digits are alike.
+// `write` gives the text of a value with a number of digits.
+const endsText = (low, high, write) => {
+  const pairs = [3, 4].map((digits) => [write(low, digits), write(high, digits)]);
+  const [first, last] = pairs.find((pair) => pair[0] !== pair[1]) ?? pairs[1];
+  return first === last ? last : `${first} … ${last}`;
+};
+
 const rangeText = (values, unit) => {
   const [low, high] = [Math.min(...values), Math.max(...values)];
   if (values.length < 2 || low === high) return "";
   const size = Math.max(Math.abs(low), Math.abs(high)); // one unit for both ends
-  return `${quantity(low, unit, 3, size).split(" ")[0]} … ${quantity(high, unit, 3, size)}`;
+  const name = quantity(high, unit, 3, size).split(" ").slice(1).join(" ");
+  return `${endsText(low, high, (value, digits) => quantity(value, unit, digits, size).split(" ")[0])} ${name}`.trim();
 };
 
-const percent = (value) => (Number.isFinite(value) ? `${value > 0 ? "+" : value < 0 ? "−" : ""}${Number(Math.abs(value).toPrecision(3))} %` : "–");
+const percent = (value, digits = 3) =>
+  Number.isFinite(value) ? `${value > 0 ? "+" : value < 0 ? "−" : ""}${Number(Math.abs(value).toPrecision(digits))} %` : "–";
 
 // Rows of the table: quantity, name, unit, values by turn, and the value of the ideal mechanism.
 function peaks(running) {
@@ -65,7 +75,7 @@ function writePeaks(table, running, comparison) {
     if (compared) {
       const lips = row.values.map((value) => (100 * (value - row.ideal)) / row.ideal);
       cells.push(row.ideal ? quantity(row.ideal, row.unit) : "", row.ideal ? percent(lips.at(-1)) : "");
-      cells.push(row.ideal && lips.length > 1 ? `${percent(Math.min(...lips))} … ${percent(Math.max(...lips))}` : "");
+      cells.push(row.ideal && lips.length > 1 ? endsText(Math.min(...lips), Math.max(...lips), percent) : "");
     }
     if (comparison) cells.push(quantity(kept.find((peak) => peak.what === row.what && peak.name === row.name)?.values.at(-1), row.unit));
     line.append(...cells.map((text, k) => cell(text, k ? "td" : "th")));
