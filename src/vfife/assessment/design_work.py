@@ -58,8 +58,8 @@ from .answer import (
     scale_of,
 )
 from .sample import (
-    CLEARANCE_SPREAD,
     AROUND,
+    CLEARANCE_SPREAD,
     MACHINES,
     NEAR_MACHINES,
     PARTS,

@@ -69,15 +69,13 @@ def jump_sentence(design: Design) -> str:
     """Return that a larger share may exceed the limit, where machines with nearly the same clearances differ
     by more than is left to it; "" elsewhere.
     """
-    if design.limit is None or design.jump <= design.limit - float(design.values_within_limits.max()):
+    left = math.inf if design.limit is None else design.limit - float(design.values_within_limits.max())
+    if not design.jump or design.jump <= left:
         return ""
+    size = quantity_of(design, design.jump)
     return (
-        (
-            f"Machines with nearly the same clearances differ by {quantity_of(design, design.jump)} (root mean"
-            " square), more than is left to the limit: a larger share than in these machines may exceed it. "
-        )
-        if design.jump
-        else ""
+        f"Machines with nearly the same clearances differ by {size} (root mean square), more than is left to"
+        " the limit: a larger share than in these machines may exceed it. "
     )
 
 
