@@ -104,12 +104,37 @@ def test_machines_within_the_limits_of_fits_keep_the_clearance_of_joints_without
     pin = SimpleNamespace(name="pin", limits=(1e-5, 3e-5), clearance=1e-5)
     guide = SimpleNamespace(name="guide", limits=None, clearance=4e-5)
     within = Design._within_limits.fget
-    found = SimpleNamespace(corners=corners, sample=sample, joints=[pin, guide], values_within_limits=[1, 2])
+    found = SimpleNamespace(
+        corners=corners, sample=sample, joints=[pin, guide], values_within_limits=[1, 2], around=None
+    )
     assert within(found) == [corners]
     assert machine_words(found) == "2 machines with the clearance at a limit; all with 40 µm in guide"
     guide.limits = (2e-5, 6e-5)
     (inner, _) = within(found)
     assert inner.values.tolist() == [1.0, 9.0] and "all with" not in machine_words(found)
+
+
+def test_machines_near_the_largest_lie_within_the_limits_and_roughness_is_told_from_a_slope() -> None:
+    from vfife.assessment.sample import MachineSample, clearances_around, sampled_clearances
+
+    limits = {"E": (1e-5, 6.2e-5), "F": (1e-5, 6.2e-5)}
+    rows = clearances_around({"F": 6e-5, "E": 3e-5}, limits)
+    assert rows.shape == (8, 2) and (np.abs(rows - [3e-5, 6e-5]) <= 0.125 * 5.2e-5 + 1e-12).all()
+    assert rows.min() >= 1e-5 and rows.max() <= 6.2e-5 and np.ptp(rows, axis=0).min() > 5e-6
+    places = sampled_clearances(limits)
+    noise = np.random.default_rng(1).uniform(0.01, 0.04, len(places))
+    assert MachineSample(("E", "F"), places, places @ [300.0, 500.0]).jump == 0.0
+    assert MachineSample(("E", "F"), places, noise).jump == pytest.approx(0.03 / math.sqrt(6.0), rel=0.3)
+
+
+def test_a_rough_measure_near_its_limit_may_exceed_it_in_more_machines() -> None:
+    from vfife.report.fits import jump_sentence
+
+    given = {"values_within_limits": np.array([0.01, 0.038]), "limit": 0.04, "nominal": 0.02, "ideal": None}
+    given |= {"allocation": None, "unit": "m/s", "default_limit": False}
+    for jump, said in ((0.012, True), (0.001, False), (0.0, False)):
+        text = jump_sentence(SimpleNamespace(**given, jump=jump))
+        assert bool(text) == said and ("a larger share" in text) == said
 
 
 @pytest.mark.slow("the same answer")
@@ -121,6 +146,11 @@ def test_the_answer_says_how_machines_are_distributed_and_what_happens_at_the_li
     spec = CaseSpec((found.measure,), 1, last=1)
     ends = [{"joint.pin.clearance": limit} for limit in found.joints[0].limits]
     forces = {k: outcome.values[found.measure] for k, outcome in run_cases(loose_pin(), ends, spec)}
+    around, found = found.around, dataclasses.replace(found, around=None)
+    limits = found.joints[0].limits
+    assert around.count == 16 and limits[0] <= around.clearances.min() <= around.clearances.max() <= limits[1]
+    near = document(dataclasses.replace(found, around=around)).data["conclusion"][1]
+    assert "16 near the machine with the largest value" in near and "may give more" in near
     alone = dataclasses.replace(found, sample=None)
     assert alone.values_within_limits == pytest.approx([forces[0], forces[1]], rel=1e-12)
     assert found.values_within_limits[-2:].tolist() == alone.values_within_limits.tolist()
@@ -360,7 +390,7 @@ def test_a_measure_without_derivatives_ranks_clearances_by_the_machines_of_the_f
     for joint in found.joints:
         assert -1.0 <= joint.rank.low <= joint.rank.value <= joint.rank.high <= 1.0
     inside = found.sample.within({joint.name: joint.limits for joint in found.joints})
-    values = [*found.sample.values[inside], *found.corners.values]
+    values = [*found.sample.values[inside], *found.around.values, *found.corners.values]
     assert found.values_within_limits == pytest.approx([value for value in values if math.isfinite(value)])
     page = document(found, "k.toml")
     assert "machines, whose clearances vary from the finest to the coarsest fit, it lies" in str(page)

@@ -14,6 +14,8 @@ from vfife.assembly.assemble import assemble
 from vfife.laws import Material
 from vfife.model.bodies import Section
 from vfife.model.drivers import AngleTable, ConstantSpeed, StepTo, Torque
+from vfife.model.joints.clearance_revolute import ClearanceRevolute
+from vfife.model.joints.ideal_revolute import IdealRevolute
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism, Settings
 from vfife.simulation.result import Result
@@ -294,6 +296,34 @@ def test_a_toggle_press_over_centre_is_reported_with_any_load_factors(hand, coun
     for texts in (result.summary["warnings"], Result.load(tmp_path / "run.sqlite").summary["warnings"]):
         said = [text for text in texts if "became unstable" in text]
         assert len(said) == bool(ends) and all(f"{ends[0]:g} and {ends[1]:g} " in text for text in said)
+
+
+def loose(m: Mechanism, clearance: float) -> Mechanism:
+    """``m`` with ``clearance`` (m) in each pin."""
+    for name, joint in list(m.joints.items()):
+        if isinstance(joint, IdealRevolute):
+            m.joints[name] = ClearanceRevolute(
+                name=name, bearing=joint.bearing, journal=joint.journal, clearance=clearance,
+                bearing_radius=0.015, axial_length=0.03,
+            )  # fmt: skip
+    return m
+
+
+@pytest.mark.parametrize("clearance", [1e-5, 5e-5, 2e-4])
+@pytest.mark.parametrize(
+    ("hand", "count", "ends"),
+    [
+        (400.0, 1, ()), (400.0, 4, ()), (400.0, 8, ()), (1200.0, 1, ()), (1200.0, 4, ()), (1200.0, 8, ()),
+        (1400.0, 1, (0, 1)), (1400.0, 8, (0.875, 1)), (2000.0, 4, (0.5, 0.75)),
+    ],
+)  # fmt: skip
+def test_a_press_that_takes_up_clearance_does_not_snap_and_over_centre_it_does(
+    clearance, hand, count, ends
+) -> None:
+    """Journals that cross their clearances are no snap, nor is a chunk in which contacts outgrow masses."""
+    found = equilibrium(assemble(loose(press(hand, count), clearance)))
+    assert found.status == "complete"
+    assert found.snaps == ((pytest.approx(ends),) if ends else ())
 
 
 @pytest.mark.parametrize("load", [1.0, 10.0, 100.0])

@@ -110,7 +110,8 @@ class Design(NotebookDocument):
     ``letters`` are the nearest fits by joint, from which letters of fits come; other joints keep their
     clearance. ``sample``: machines with clearances from the finest to the coarsest fit, which rank the
     clearances. ``search``: "all" choices of fits, the "same" grades in all joints, or a "descent" from
-    these joint by joint. ``corners``: machines whose clearances are limits of the chosen fits.
+    these joint by joint. ``corners``: machines whose clearances are limits of the chosen fits;
+    ``around``: machines near that with the largest value.
     ``growths``: effects of grown clearances by path. ``end_clearance`` (m) ends a life; None: twice the own
     one. ``joints``: the findings for each joint.
     """
@@ -136,6 +137,7 @@ class Design(NotebookDocument):
     corners: MachineSample | None = None
     growths: Mapping[str, Effect] = field(default_factory=dict)
     ideal: float | None = None
+    around: MachineSample | None = None
 
     @property
     def name(self) -> str:  # type: ignore[override]
@@ -179,7 +181,7 @@ class Design(NotebookDocument):
     @cached_property
     def values_within_limits(self) -> NDArray[np.float64]:
         """The measure (SI) of machines whose clearances lie within the limits of the chosen fits, whatever
-        their distribution: those of the ``sample`` and those of the ``corners``.
+        their distribution: those of the ``sample``, of the ``corners``, and those ``around`` the largest.
         """
         parts = [machines.values for machines in self._within_limits]
         values = np.concatenate(parts) if parts else np.empty(0)
@@ -200,17 +202,26 @@ class Design(NotebookDocument):
 
     @property
     def _within_limits(self) -> list[MachineSample]:
-        """The machines of the ``sample`` within the limits of the chosen fits, and the ``corners``.
+        """The machines of the ``sample`` within the limits of the chosen fits, the ``corners``, and those
+        ``around`` the largest.
 
         In the sample every clearance varies: it has no machine in which a joint without fit keeps its own.
         """
         if self.corners is None:
             return []
         limits = {joint.name: joint.limits for joint in self.joints if joint.limits}
+        ends = [machines for machines in (self.around, self.corners) if machines is not None]
         if self.sample is None or not limits.keys() >= {*self.sample.names}:
-            return [self.corners]
+            return ends
         inside, sample = self.sample.within(limits), self.sample
-        return [MachineSample(sample.names, sample.clearances[inside], sample.values[inside]), self.corners]
+        return [MachineSample(sample.names, sample.clearances[inside], sample.values[inside]), *ends]
+
+    @cached_property
+    def jump(self) -> float:
+        """Root mean square of the difference (SI) between machines within the limits of the fits that have
+        nearly the same clearances; 0 where the measure varies smoothly.
+        """
+        return max((machines.jump for machines in self._within_limits), default=0.0)
 
     @property
     def joints(self) -> tuple[JointDesign, ...]:

@@ -58,15 +58,19 @@ from .answer import (
     scale_of,
 )
 from .sample import (
+    AROUND,
     CLEARANCE_SPREAD,
     MACHINES,
     NEAR_MACHINES,
     PARTS,
+    ROUNDS,
     MachineSample,
+    clearances_around,
     corner_clearances,
     corner_count,
     growth_effects,
     ideal_value,
+    joined,
     near_machines,
     run_machines,
     sampled_clearances,
@@ -152,6 +156,7 @@ class DesignWork:
     machine_seconds: float | None = None  # on all cores, of a machine
     sample: MachineSample | None = None
     corners: MachineSample | None = None
+    around: MachineSample | None = None
     search: str = ALL_CHOICES
     growths: Mapping[str, Effect] = field(default_factory=dict)
 
@@ -267,7 +272,7 @@ class DesignWork:
             parts["ranks"] = machines(MACHINES)
         if self.allotment is not None:
             task = self.allotment[1]
-            count = expected_machines(task) + corner_count(len(self.letters))
+            count = expected_machines(task) + corner_count(len(self.letters)) + ROUNDS * AROUND
             fits = machines(count, (allotment_remark(task, seconds),))
             ends = min(machine_counts(task)) * seconds, most_machines(task) * seconds
             parts["fits"] = dataclasses.replace(fits, ends=ends)
@@ -299,13 +304,17 @@ class DesignWork:
         except KeyboardInterrupt:
             complete = False
         self.run_parts(job, forecasts, complete)
+        return self.design()
+
+    def design(self) -> Design:
+        """Return the answer with what is computed."""
         return Design(
             self.mechanism, self.measure, self.limit, self.options["limit"] is None,
             self.options["share"], self.letters, self.options["clearance"], self.answers.get("sensitivity"),
             self.answers.get("fits"), self.answers.get("life"), self.missing,
             not any(reason == INTERRUPTED for reason in self.missing.values()) and self.complete_life,
             self.nominal, self.nominal_range, self.turns, self.averaged, self.sample, self.search,
-            self.corners, self.growths, self.ideal,
+            self.corners, self.growths, self.ideal, self.around,
         )  # fmt: skip
 
     @property
@@ -464,6 +473,12 @@ class DesignWork:
             count = corner_count(len(limits))
             job(Progress(count, count, 0.0, f"{count} machines at the limits of the fits"))
             self.corners = self.run_machines(list(limits), corner_clearances(limits), job)
+            for _ in range(ROUNDS):
+                found = dataclasses.replace(self.design(), allocation=answer)
+                if machine := found.clearances_of_largest:
+                    rows = clearances_around(machine, limits)
+                    machines = self.run_machines(list(limits), rows, job)
+                    self.around = joined([self.around, machines] if self.around else [machines])
         return answer
 
     def lives(self, job: Job) -> Worn:

@@ -35,6 +35,12 @@ NEAR_MACHINES, CLEARANCE_SPREAD = 8, 2e-4  # machines that hardly differ, and th
 # step and with a smaller one, as a sampled case of a study is repeated with another step.
 GROWN_SPREADS, FINER_STEP = (-0.5 * CLEARANCE_SPREAD, 0.5 * CLEARANCE_SPREAD), 0.8
 MOST_GROWTH, SHARE_OF_CLEARANCE = 10e-6, 0.1  # m, and share: the growth of a clearance whose effect is quoted
+# Machines around that with the largest value, in rounds, and half the width of their range over that of the
+# limits of the fits.
+ROUNDS, AROUND, NEARBY = 2, 8, 0.125
+# Mean square of the difference to the nearest machine, over that of any two, from which a measure does not
+# vary smoothly: 0.01 to 0.05 of planes with two or three joints, 1 of noise; fewer machines tell nothing.
+ROUGH, FEWEST_FOR_ROUGHNESS = 0.25, 16
 MOST_CORNER_JOINTS = 3  # all combinations of limits of more joints are more than eight machines
 PARTS = {"sensitivity": "sensitivities", "ranks": "ranks", "fits": "fits", "life": "wear"}
 Array = NDArray[np.float64]
@@ -70,6 +76,22 @@ class MachineSample:
         return inside
 
     @property
+    def jump(self) -> float:
+        """Root mean square of the difference (SI) between machines with nearly the same clearances, where the
+        measure does not vary smoothly with them; 0 where it does, or too few machines tell.
+        """
+        known = np.isfinite(self.values)
+        values, places = self.values[known], self.clearances[known]
+        width = np.ptp(places, axis=0) if len(places) else np.zeros(0)
+        if len(values) < FEWEST_FOR_ROUGHNESS or not width.any() or not np.ptp(values):
+            return 0.0
+        places = places[:, width > 0.0] / width[width > 0.0]
+        apart = np.square(places[:, None] - places[None]).sum(axis=2)
+        np.fill_diagonal(apart, math.inf)
+        square = float(np.square(values - values[apart.argmin(axis=1)]).mean())
+        return math.sqrt(square) if square > ROUGH * 2.0 * float(values.var()) else 0.0
+
+    @property
     def ranks(self) -> dict[str, Rank]:
         """Partial rank correlation of the measure with each clearance, without joints of which it is not
         known.
@@ -94,6 +116,22 @@ def corner_clearances(limits: Mapping[str, tuple[float, float]]) -> Array:
     if len(limits) <= MOST_CORNER_JOINTS:
         return np.array(list(itertools.product(*limits.values())))
     return np.array(list(limits.values())).T
+
+
+def clearances_around(machine: Mapping[str, float], limits: Mapping[str, tuple[float, float]]) -> Array:
+    """Return clearances (m) near those of a ``machine`` and within ``limits`` (m), both by joint, shape
+    (machines, joints).
+    """
+    low, high = np.array(list(limits.values())).T
+    middle, half = np.array([machine[name] for name in limits]), NEARBY * (high - low)
+    unit = places("latin", AROUND, len(limits), SEED)
+    return np.asarray(np.clip(middle + half * (2.0 * unit - 1.0), low, high))
+
+
+def joined(parts: list[MachineSample]) -> MachineSample:
+    """Return the machines of samples with the same joints as one."""
+    columns = ("clearances", "values")
+    return MachineSample(parts[0].names, *(np.concatenate([getattr(p, c) for p in parts]) for c in columns))
 
 
 def corner_count(joints: int) -> int:

@@ -56,12 +56,27 @@ def limit_sentences(design: Design) -> Iterator[str]:
             f"{exceeding or 'none'} of these {len(values)} machines exceed{'s' * (exceeding == 1)} the limit"
         )
         yield (
-            f"With any clearances within the limits of these fits ({machine_words(design)}),"
-            f" {words(design.measure)} is {low} to {high}; {excess}. {largest_sentence(design)}"
+            f"In {len(values)} machines within the limits of these fits ({machine_words(design)}),"
+            f" {words(design.measure)} is {low} to {high}; {excess}. Other clearances within these limits may"
+            f" give more. {jump_sentence(design)}{largest_sentence(design)}"
         )
     if coarsest := coarsest_fits(design):
         fits = "; ".join(f"{fit} for {and_words(names)}" for fit, names in coarsest.items())
         yield f"Coarser fits than these were not tried: {fits} (--cost names other grades)."
+
+
+def jump_sentence(design: Design) -> str:
+    """Return that a larger share may exceed the limit, where machines with nearly the same clearances differ
+    by more than is left to it; "" elsewhere.
+    """
+    left = math.inf if design.limit is None else design.limit - float(design.values_within_limits.max())
+    if not design.jump or design.jump <= left:
+        return ""
+    size = quantity_of(design, design.jump)
+    return (
+        f"Machines with nearly the same clearances differ by {size} (root mean square), more than is left to"
+        " the limit: a larger share than in these machines may exceed it. "
+    )
 
 
 def largest_sentence(design: Design) -> str:
@@ -79,7 +94,8 @@ def machine_words(design: Design) -> str:
     """Return which machines within the limits of the fits were run, and which joints keep their clearance."""
     if (corners := design.corners) is None:
         return ""
-    inner = len(design.values_within_limits) - corners.count
+    near = design.around.count if design.around is not None else 0
+    inner = len(design.values_within_limits) - corners.count - near
     if len(corners.clearances) == 1 << len(corners.names):
         place = "every clearance at a limit" if len(corners.names) > 1 else "the clearance at a limit"
     else:
@@ -87,6 +103,8 @@ def machine_words(design: Design) -> str:
     machines = f"{corners.count} machines with {place}"
     if inner:
         machines = f"{inner} machines evenly distributed, {corners.count} with {place}"
+    if near:
+        machines += f", {near} near the machine with the largest value"
     unfitted = [joint for joint in design.joints if not joint.limits]
     sizes = [f"{prefixed(joint.clearance, 'm')} in {joint.name}" for joint in unfitted]
     return f"{machines}; all with {and_words(sizes)}" if sizes else machines

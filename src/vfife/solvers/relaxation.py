@@ -14,7 +14,7 @@ relaxation, in: Computational methods for transient analysis (1983)).
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -316,7 +316,9 @@ class Relaxation:
         self.mass, self.inertia = np.zeros(assembly.topology.particles), np.zeros(assembly.topology.particles)
         self.pace = ChunkSize()
         self.frequency, self.iterations, self.kinetic, self.kinetic_max = 0.0, 0, 0.0, 0.0
-        self.fallen, self.snaps = 0.0, list[tuple[float, float]]()
+        # Called after a chunk with its places, accelerations, masses and which contacts touch, per output.
+        self.follow: Callable[[Array, Array, Array, NDArray[np.bool_]], None] | None = None
+        self.snaps = list[tuple[float, float]]()
         self.between = SHORTEST
         self.reweigh()
 
@@ -408,6 +410,7 @@ class Relaxation:
                 self.pressed = np.nan_to_num(
                     np.sqrt(rows[:, 3 * len(self.places) :].max(axis=0)), nan=1e300, posinf=1e300
                 )
+            weights = 1.0 / self.state[self.inverse]  # those the chunk moved with: heavier ones may follow
             if not self.reweigh():
                 break
             inverse = [self.layout["particle_inverse_mass"], self.layout["particle_inverse_inertia"]]
@@ -418,7 +421,8 @@ class Relaxation:
             self.zero_velocities()
             self.between = max(SHORTEST, self.between // 4)
         mass = 1.0 / self.state[self.inverse]
-        self._follow(path[:, 0], path[:, 2], mass)
+        if self.follow is not None:
+            self.follow(path[:, 0], path[:, 2], weights, rows[:, 3 * len(self.places) :] > 0.0)
         place, speed, push = looks[:, 0], looks[:, 1], looks[:, 2]
         energy = 0.5 * times(speed * speed, mass)
         self.kinetic, self.kinetic_max = float(energy[-1]), max(self.kinetic_max, float(energy.max()))
@@ -437,16 +441,6 @@ class Relaxation:
         """Kinetic energy over the largest so far; 0 if it is rounding."""
         energy = self.kinetic
         return energy / self.kinetic_max if energy > self.rounding(1.0 / self.state[self.inverse]) else 0.0
-
-    def _follow(self, place: Array, push: Array, mass: Array) -> None:
-        """Add to ``fallen`` how far (:meth:`way`) a chunk moves against a negative stiffness: ``place`` and
-        ``push`` have the shape (looks, coordinates).
-        """
-        with np.errstate(invalid="ignore", over="ignore"):
-            moved, change = np.diff(place, axis=0), np.diff(push, axis=0)
-            unstable = times(moved * change, mass) > 0.0
-            unstable &= times(moved * moved, mass) > self.rounding(mass)
-            self.fallen += float(self.way(moved)[unstable].sum())
 
     def way(self, moved: Array) -> Array:
         """Return the largest of the displacements (sizes of the mechanism) and turns (rad) of all free

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..kinematics.drives import constraint_drivers
 from ..model.mechanism import Settings
+from ..numerics.dense import times
 from .interrupts import Interrupts
 from .record import Checkpoint, Record, Writer, lasting_rows, recorded_rows
 from .relaxation import Loading, Relaxation, extent
@@ -35,7 +36,8 @@ TRIES = 4  # of a load factor, each with larger masses, if joints open
 # Ratio of forces to loads from which links in line are taken to carry a load across, which they cannot.
 BEYOND_LOADS = 100.0
 # Share of a way from which a structure that moves against a negative stiffness has snapped through: 0.08 to
-# 0.7 where trusses, toggles, presses and Lee's frame do, 0 on stable paths (tests/solvers/test_statics.py).
+# 0.7 where trusses, toggles, presses (loose ones, too) and Lee's frame do, 0 on stable paths
+# (tests/solvers/test_statics.py).
 SNAPPED = 0.02
 ESCAPE_DISTANCE = 100.0  # distance from the start, in sizes of the mechanism, beyond which nothing holds it
 STATE_OF_REST = ("u", "v", "w", "ax", "ay", "aw")
@@ -140,6 +142,47 @@ def _at_rest(assembly: Assembly, relaxation: Relaxation, stage: Stage) -> Array:
     return state
 
 
+class Falls:
+    """How far a structure moves against a negative stiffness in the chunks of a ``relaxation``, by the joints
+    with clearance that touch.
+    """
+
+    def __init__(self, relaxation: Relaxation) -> None:
+        self.relaxation, assembly = relaxation, relaxation.assembly
+        names, joints = np.array(assembly.contact_joints), assembly.mechanism.contacts
+        loose = [name for name in joints if getattr(joints[name], "clearance", None)]
+        self.columns = [np.flatnonzero(names == name) for name in loose]
+        self.ways = dict[tuple[bool, ...], float]()  # by whether each joint touches
+        self.last: tuple[bool, ...] = (False,) * len(loose)
+
+    def add(self, place: Array, push: Array, mass: Array, touching: NDArray[np.bool_]) -> None:
+        """Add a chunk with places and accelerations, shape (looks, coordinates), the masses by coordinate,
+        and which contacts touch, shape (looks, contacts).
+        """
+        with np.errstate(invalid="ignore", over="ignore"):
+            moved, change = np.diff(place, axis=0), np.diff(push, axis=0)
+            unstable = times(moved * change, mass) > 0.0
+            unstable &= times(moved * moved, mass) > self.relaxation.rounding(mass)
+            ways = self.relaxation.way(moved)
+        closed = np.array([touching[:, columns].any(axis=1) for columns in self.columns], dtype=bool)
+        closed = closed.reshape(len(self.columns), len(touching)).T
+        self.last = tuple(closed[-1].tolist())
+        for k in np.flatnonzero(unstable):
+            joints = tuple((closed[k] & closed[k + 1]).tolist())
+            self.ways[joints] = self.ways.get(joints, 0.0) + float(ways[k])
+
+    @property
+    def carried(self) -> float:
+        """The way (:meth:`Relaxation.way`) on which all joints touch that touch in the end: where one of them
+        is open, journals cross their clearances, and the structure is not what it is at rest.
+        """
+        return sum(
+            way
+            for joints, way in self.ways.items()
+            if all(now or not end for now, end in zip(joints, self.last, strict=True))
+        )
+
+
 class Stage:
     """One load factor: the way from the factor before, and the relaxation at it."""
 
@@ -152,7 +195,8 @@ class Stage:
         self.first = relaxation.iterations
         self.ratio = 0.0
         self.start = relaxation.state[relaxation.places].copy()
-        relaxation.fallen = 0.0
+        self.falls = Falls(relaxation)
+        relaxation.follow = self.falls.add
 
     @property
     def done(self) -> int:
@@ -161,9 +205,11 @@ class Stage:
 
     @property
     def snapped(self) -> bool:
-        """Whether a share of the way to this load factor went against a negative stiffness."""
+        """Whether a share of the way to this load factor went against a negative stiffness, without that on
+        which clearances are taken up.
+        """
         way = self.relaxation.way(self.relaxation.state[self.relaxation.places] - self.start)
-        return self.relaxation.fallen > SNAPPED * float(way)
+        return self.falls.carried > SNAPPED * float(way)
 
     def run(self, settings: Settings) -> tuple[Status, str] | None:
         """Go to the load factor and relax. Returns status and message if no equilibrium is found, else

@@ -319,7 +319,7 @@ def clearances_at_rest(mechanism: Mechanism) -> Iterator[str]:
         yield (
             f"{', '.join(names)}: in a static analysis a clearance changes positions and forces. Knocks, fits"
             ' and life need a moving model: analysis = "dynamic" with a driver that has a speed, as in'
-            " vfife new six_bar_press."
+            " vfife new six_bar_press. Displacements include the way on which clearance is taken up."
         )
 
 
