@@ -17,8 +17,8 @@ from vfife import Mechanism
 from vfife.cli.app import app
 from vfife.errors import ModelError, VfifeError
 from vfife.identification.lawfit import fit_law
-from vfife.identification.parameters import FitParameter
 from vfife.identification.other_minima import CONCENTRATED, concentration
+from vfife.identification.parameters import FitParameter
 from vfife.identification.step_uncertainty import autocorrelation, confidence_of
 from vfife.modelfile import dump
 from vfife.results.fit import FitFile

@@ -76,6 +76,10 @@ class Budget:
         """Return the runs of some searches."""
         return count * LONG_SEARCH * self.slopes
 
+    def search_points(self, restarts: int) -> int:
+        """Return the points of all searches, each with derivatives: of the first, of restarts and rounds."""
+        return LONG_SEARCH * (self.starts * (1 + restarts) + MOST_ROUNDS)
+
     @property
     def first(self) -> int:
         """Runs of the first screening, of the choice of derivatives and of the first searches."""
@@ -196,8 +200,8 @@ class Descents:
 
     @property
     def unexplained(self) -> bool:
-        """Whether the residuals of the best point are more than noise, as is typical for a wrong local minimum:
-        successive ones are correlated, or :func:`~.other_minima.excess_of` says so.
+        """Whether the residuals of the best point are more than noise, as is typical for a wrong local
+        minimum: successive ones are correlated, or :func:`~.other_minima.excess_of` says so.
         """
         records, best = self.evaluations.records, self.evaluations.best
         if (

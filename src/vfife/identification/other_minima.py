@@ -34,7 +34,6 @@ CONCENTRATED, SPIKE = 5.0, 6.0
 # data's deviation is none; of envelopes and spectra, which are never white, by their concentration only.
 ABOVE_NOISE, NEGLIGIBLE = 1.5, 0.002
 SMOOTHED_SHARE, SMOOTHED_CONCENTRATION = 0.05, 1.5
-ERROR_OVER_CHANGE = 2.0  # of a step over the change of the curves to half of it
 NORMAL = 1.4826  # standard deviation of normal numbers over the median of their sizes
 # Order of the differences that leave the noise of a smooth curve, and their deviation over that of the noise.
 ORDER, GROWTH = 4, math.sqrt(70.0)
@@ -116,11 +115,11 @@ def dispute_words(
 # ------------------------------------------------------------------------------------------ more than noise
 
 
-def excess_of(records: Sequence[FitRecord], outcome: Outcome, by_steps: float = 0.0) -> str:
+def excess_of(records: Sequence[FitRecord], outcome: Outcome) -> str:
     """Return in words by what the residuals of a point are more than noise; empty if they may be noise.
 
-    In a minimum beside the true one the model strikes at other times than the rig, which few samples show.
-    ``by_steps``: change of the curves with the step, over the data's deviations; limits cover its effect.
+    In a minimum beside the true one the model strikes at other times than the rig, which few samples show. So
+    it does with too long a step, which moves the minimum away from the true numbers.
     """
     for record, fitted in zip(records, outcome.fitted, strict=True):
         misfit = record.misfit
@@ -128,7 +127,7 @@ def excess_of(records: Sequence[FitRecord], outcome: Outcome, by_steps: float = 
         for k, curve in enumerate(residuals):
             size = deviation(curve)
             rms = float(np.sqrt(np.mean(curve * curve)))
-            if rms <= NEGLIGIBLE or rms * rms - size * size <= (ERROR_OVER_CHANGE * by_steps) ** 2:
+            if rms <= NEGLIGIBLE:
                 continue
             name = f"{record.name}: " * bool(record.name) + misfit.measured.curves[k].channel
             if misfit.comparison != "curve":
@@ -155,7 +154,7 @@ def deviation(values: Array) -> float:
 
 
 def noise_of(values: Array) -> float:
-    """Return the standard deviation of the white noise in samples of a curve that is smooth in most places."""
+    """Return the standard deviation of the white noise in samples of a curve, smooth in most places."""
     changes = np.diff(values, ORDER)
     return NORMAL * float(np.median(np.abs(changes))) / GROWTH if len(changes) else 0.0
 
@@ -178,6 +177,6 @@ def excess_words(share: float, excess: str) -> str:
     """Return a caution on residuals, a ``share`` of the data's deviation, that are more than noise."""
     return (
         f"the residual, {100.0 * share:.2g} % of the data's deviation, is more than noise: {excess}. The"
-        " searches ended in another minimum, or the model differs from the rig, so confidence is not known;"
-        " search within narrower bounds or from more starts"
+        " searches ended in another minimum, or the model differs from the rig or needs a finer step, so"
+        " confidence is not known; search within narrower bounds or from more starts"
     )

@@ -22,7 +22,8 @@ from .starts import PREFIX
 
 Array = NDArray[np.float64]
 FREE = "free"
-# Outputs of the model for each sample, at least and at most: as many as leave STEPS_AN_OUTPUT steps between two.
+# Outputs of the model for each sample, at least and at most: as many as leave STEPS_AN_OUTPUT steps between
+# two.
 # Forces between outputs are not smooth. With four outputs a sample, the true numbers of a four-bar left 4.6 %
 # of a force with 2 % noise, all of the excess at impacts, and searches ended beside them in points that left
 # less; with eight they left 2.1 %, with sixteen 2.0 %.

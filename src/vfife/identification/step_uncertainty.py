@@ -247,7 +247,7 @@ def concluded(
         margin = likelihood_margin(confidence, sum(map(len, parts)) - unknowns, level)
         _, near_limits = widened(confidence, sensitivity, shared, shared_shares, points, 0.0)
         errors, limits = widened(confidence, sensitivity, shared, shared_shares, points, margin)
-    excess = excess_of(records, outcome, getattr(sensitivity, "by_steps", 0.0))
+    excess = excess_of(records, outcome)
     trusted = not excess and getattr(sensitivity, "trusted", True)
     joint_confidence = confidence if len(common) == len(parameters) else confidence_of(
         parts, parameters, shares, None if slopes is None else slopes.jacobian, unknowns, level, inflation
