@@ -23,7 +23,7 @@ ERROR_OVER_CHANGE = 2.0
 # half of the residual.
 TRUSTED_CHANGE, TRUSTED_SHARE_OF_RESIDUAL = 0.1, 0.5
 # Nor are curves trusted that change by this many times the residual, if that is above NOISY: the search
-# fitted the error of the step to the data. A four-bar with 2 % noise changed by 7.9 % and had limits that missed.
+# fitted the error of the step. A four-bar with 2 % noise changed by 7.9 %, and its limits missed.
 STEP_OVER_RESIDUAL, NOISY = 3.0, 0.01
 
 

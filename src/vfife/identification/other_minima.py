@@ -26,10 +26,10 @@ Limits = list[tuple[float, float]]
 # of squares rough: where the data hardly know a spring, its minima left 1.05 to 1.45 times the least
 # residual, and the true value lay between them.
 NEAR_RESIDUAL = 1.5
-# Concentration of n residuals that is more than noise: 1 + CONCENTRATED/sqrt(n), four standard deviations of
+# Concentration of n residuals that is more than noise: 1 + CONCENTRATED/sqrt(n), five standard deviations of
 # that of normal numbers. At the true numbers of four-bars with 2 % noise it is 0.92 to 1.01 (n = 417), in
 # minima beside them 1.1 to 5. Of a single residual, SPIKE times this over the deviation of most.
-CONCENTRATED, SPIKE = 4.0, 6.0
+CONCENTRATED, SPIKE = 4.5, 6.0
 # A residual is more than noise if it is this many times that of the record, and less than this share of the
 # data's deviation is none; of envelopes and spectra, which are never white, by their concentration only.
 ABOVE_NOISE, NEGLIGIBLE = 1.5, 0.002
