@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 from vfife.identification.curve_sensitivity import CurveSensitivity
+from vfife.identification.other_minima import excess_of
 from vfife.identification.parameters import FitParameter
+from vfife.identification.run_length import outputs_of
 from vfife.identification.step_uncertainty import autocorrelation, cautions, confidence_of
 
 
@@ -52,7 +54,9 @@ def test_errors_grow_with_what_residuals_follow_each_other() -> None:
 @pytest.mark.parametrize(
     ("change", "residual", "trusted"),
     [
-        (0.09, 0.02, True),
+        (0.05, 0.02, True),
+        (0.07, 0.02, False),
+        (0.09, 0.005, True),
         (0.11, 0.02, False),
         (0.3, 0.8, True),
         (0.45, 0.8, False),
@@ -94,3 +98,38 @@ def test_limits_hold_where_residuals_are_largest_at_the_samples_that_count() -> 
         low, high = found.limits[0]
         held.append(low <= 0.5 - error <= high)
     assert 0.85 < np.mean(held) < 0.98
+
+
+def excess(residuals: np.ndarray, data: np.ndarray, comparison: str = "curve") -> str:
+    """What makes the residuals of one curve, in deviations of the data, more than noise."""
+    curve = SimpleNamespace(channel="D.force")
+    misfit = SimpleNamespace(
+        comparison=comparison, columns=lambda values: values[:, None], data=data[:, None],
+        weights=np.array([1.0 / data.std()]), measured=SimpleNamespace(curves=[curve]),
+    )  # fmt: skip
+    record: Any = SimpleNamespace(misfit=misfit, name="")
+    outcome: Any = SimpleNamespace(fitted=[SimpleNamespace(residuals=residuals)])
+    return excess_of([record], outcome)
+
+
+def test_residuals_below_five_percent_are_more_than_noise_where_impacts_stand_out() -> None:
+    """2 % noise over four turns of a curve; a strike that comes late adds to few samples of each turn, and
+    leaves 3 % in all.
+    """
+    source, phase = np.random.default_rng(7), np.linspace(0.0, 8.0 * math.pi, 600)
+    noise = 0.02 * source.standard_normal(600)
+    data = np.sin(phase) + 0.02 * np.sin(phase).std() * source.standard_normal(600)
+    late = np.where(np.arange(600) % 60 == 0, 0.15, 0.0)
+    assert excess(noise, data) == ""
+    assert 0.025 < (noise + late).std() < 0.04
+    assert "times what most samples leave" in excess(noise + late, data)
+    assert "misses 1 of 600 samples" in excess(noise + np.where(np.arange(600) == 9, 0.2, 0.0), data)
+    assert "times the noise of its samples" in excess(2.5 * noise, data), "a model that is wrong everywhere"
+    assert excess(noise + late, data, "envelope") == ""
+
+
+def test_outputs_between_samples_are_as_dense_as_steps_allow() -> None:
+    assert outputs_of(209, 368_000) == 16 * 209
+    assert outputs_of(209, 8_000) == 1_000, "eight steps an output"
+    assert outputs_of(209, 900) == 4 * 209
+    assert outputs_of(1_000, 1e6) == 8_000 and outputs_of(4_000, 1e6) == 16_000

@@ -6,18 +6,22 @@ import dataclasses
 import math
 
 import numpy as np
+import pandas
 import pytest
 
+from vfife.errors import ModelError, VfifeError
 from vfife.identification.batched_queries import Evaluations, Query
 from vfife.identification.curve_sensitivity import sensitivity_of
 from vfife.identification.curves import Trace
-from vfife.identification.descents import Descents
+from vfife.identification.descents import Budget, Descents
+from vfife.identification.fit_task import assembled_within
 from vfife.identification.measurements import Curve, Measured, columns_of, measured
 from vfife.identification.other_minima import Search
 from vfife.identification.parameters import FitParameter
 from vfife.identification.residuals import FitRecord, Misfit
 from vfife.identification.run_length import Offset, RunLength
 from vfife.identification.step_uncertainty import concluded
+from vfife.measures.chaos import Exponent
 
 STEPS = RunLength("time", None, 1.0, 200, 10, 1e-3)
 PLACES = np.linspace(0.0, 1.0, 200)
@@ -262,3 +266,45 @@ def test_the_time_left_is_within_the_forecast_until_the_pace_is_known():
     assert watched.time_left(50, 260.0).startswith(", slower than forecast: at most about 1 h")
     watched.bound = math.inf  # not forecast
     assert watched.time_left(20, 20.0) == ", at most about 16 min 20 s left"
+
+
+@pytest.mark.parametrize("index", [True, False])
+def test_a_data_frame_is_read_as_its_csv_file_is(index, tmp_path):
+    frame = pandas.DataFrame({"time (ms)": 1e3 * PLACES, "C.force (kN)": NOISE})
+    frame.to_csv(tmp_path / "a.csv", index=False)
+    expected = measured(tmp_path / "a.csv", {"C.force": "N"})
+    found = measured(frame.set_index("time (ms)") if index else frame, {"C.force": "N"})
+    assert found.name == "data frame" and found.over == "time"
+    assert np.array_equal(found.places, expected.places)
+    assert np.array_equal(found.curves[0].values, expected.curves[0].values)
+    assert found.curves[0].values == pytest.approx(1e3 * NOISE, rel=1e-12)
+    with pytest.raises(ModelError, match="no column of times"):
+        measured(frame.drop(columns="time (ms)"), {"C.force": "N"})
+
+
+def test_bounds_without_a_model_are_named_as_written():
+    """The middle of 0.05 to 0.5 m was named, a number that nobody wrote."""
+
+    class NoModel:
+        def assembled(self, numbers):
+            raise VfifeError(f"clearance (given by set) = {numbers['c']:g}: too large")
+
+    record = FitRecord(
+        dataclasses.make_dataclass("Curves", ["cases"])(NoModel()),
+        [FitParameter("c", ("c",), "m", 0.05, 0.5)], None,
+    )  # fmt: skip
+    with pytest.raises(ModelError) as caught:
+        assembled_within(record)
+    assert "c = 0.05 .. 0.5 m" in str(caught.value) and "clearance = 0.05: too large" in str(caught.value)
+    assert "0.158" not in str(caught.value) and "given by set" not in str(caught.value)
+
+
+def test_an_exponent_is_a_number():
+    assert float(Exponent(0.25, 0.1, 0.4, np.array([0.25]), (0.2, 0.3))) == 0.25
+
+
+def test_searches_by_tangents_are_forecast_as_such():
+    """Four searches and three restarts of four, and two rounds, of twenty points each."""
+    budget = Budget.of([2], 64, 4)
+    assert budget.search_points(3) == 20 * (4 + 12 + 2)
+    assert budget.search_points(0) == 20 * (4 + 2)

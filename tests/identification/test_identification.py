@@ -17,8 +17,9 @@ from vfife import Mechanism
 from vfife.cli.app import app
 from vfife.errors import ModelError, VfifeError
 from vfife.identification.lawfit import fit_law
+from vfife.identification.other_minima import CONCENTRATED, concentration
 from vfife.identification.parameters import FitParameter
-from vfife.identification.step_uncertainty import CONCENTRATED, autocorrelation, concentration, confidence_of
+from vfife.identification.step_uncertainty import autocorrelation, confidence_of
 from vfife.modelfile import dump
 from vfife.results.fit import FitFile
 
@@ -204,8 +205,9 @@ def test_residuals_that_are_large_in_few_places_leave_confidence_unknown(tmp_pat
 def test_noise_has_a_concentration_of_one():
     rng = np.random.default_rng(5)
     ratios = [concentration(rng.standard_normal(150)) for _ in range(2000)]
-    assert np.mean(ratios) == pytest.approx(1.0, abs=0.02) and max(ratios) < CONCENTRATED
-    assert concentration(np.where(np.arange(400) % 20, 1.0, 30.0) * rng.standard_normal(400)) > CONCENTRATED
+    assert np.mean(ratios) == pytest.approx(1.0, abs=0.02)
+    assert max(ratios) < 1.0 + CONCENTRATED / math.sqrt(150.0)
+    assert concentration(np.where(np.arange(400) % 20, 1.0, 30.0) * rng.standard_normal(400)) > 1.5
 
 
 def test_a_microphone_is_only_proportional(tmp_path):

@@ -21,7 +21,7 @@ from ..errors import VfifeError
 from ..studies.spec.distributions import sobol
 from .batched_queries import BatchedQueries, Evaluations, Outcome, Query
 from .curve_sensitivity import RANK_TOLERANCE
-from .other_minima import Search
+from .other_minima import Search, excess_of
 from .residuals import Slopes, columns_agree
 from .step_uncertainty import autocorrelation, curves_of, without_own
 
@@ -75,6 +75,10 @@ class Budget:
     def searches(self, count: int) -> int:
         """Return the runs of some searches."""
         return count * LONG_SEARCH * self.slopes
+
+    def search_points(self, restarts: int) -> int:
+        """Return the points of all searches, each with derivatives: of the first, of restarts and rounds."""
+        return LONG_SEARCH * (self.starts * (1 + restarts) + MOST_ROUNDS)
 
     @property
     def first(self) -> int:
@@ -196,8 +200,8 @@ class Descents:
 
     @property
     def unexplained(self) -> bool:
-        """Whether the residuals of the best point are more than noise: successive ones are correlated, which
-        is typical for a wrong local minimum.
+        """Whether the residuals of the best point are more than noise, as is typical for a wrong local
+        minimum: successive ones are correlated, or :func:`~.other_minima.excess_of` says so.
         """
         records, best = self.evaluations.records, self.evaluations.best
         if (
@@ -208,7 +212,8 @@ class Descents:
         ):
             return False
         parts = curves_of(records, best[2])
-        return autocorrelation(parts) > CORRELATED + 2.0 / math.sqrt(min(map(len, parts)))
+        correlated = autocorrelation(parts) > CORRELATED + 2.0 / math.sqrt(min(map(len, parts)))
+        return correlated or bool(excess_of(records, best[2]))
 
     def new_points(self, count: int, seed: int) -> Array:
         """More points. Parameters known much better than the rest, as the speed of a drive, stay as they are

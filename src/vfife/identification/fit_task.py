@@ -5,12 +5,16 @@ from __future__ import annotations
 import dataclasses
 import math
 import os
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TypedDict, Unpack
 
+import numpy as np
+
+from ..assembly.assembled import Assembly
 from ..compiler.runtime.native import stream_lanes
 from ..errors import Fault, ModelError, VfifeError
 from ..job.amounts import span
@@ -33,7 +37,7 @@ from .other_minima import Search
 from .parameters import FitParameter
 from .records import Data, FitSettings, Record, RecordReader, RecordTask, Start
 from .residuals import Comparison, FitRecord
-from .run_length import refuse_few_samples
+from .run_length import middle_and_ends, refuse_few_samples
 from .step_uncertainty import concluded
 
 # For forecast and progress only: typical evaluations of a search, and the ratio of all runs of a fit to those
@@ -80,8 +84,9 @@ def fit(
     """Identify parameters of a mechanism from measured curves.
 
     mechanism: the mechanism
-    data: a CSV file with time or crank_angle and channels of a result as columns, or a list of files or
-    :class:`Record` that have the parameters in common
+    data: a CSV file or a pandas data frame with time or crank_angle and channels of a result as columns, as
+    ``time (ms)``, in SI units where a column has none (a frame's index may be the time), or a list of these
+    or of :class:`Record` that have the parameters in common
     parameters: bounds by path, ``{"joint.C.clearance": ("0.1 mm", "1 mm")}`` or ``"joint.C.clearance=0.1..1
     mm"``; several paths in one key have one value, the opposite one after a ``-``
     file: keeps every point as it is computed; the same call continues it, to the same bits
@@ -124,9 +129,10 @@ def fit(
     """
     arguments = Arguments("fit")
     arguments.mechanism(mechanism)
-    kinds = (str, os.PathLike, Record, Measured)
+    pandas: Any = sys.modules.get("pandas")
+    kinds = (str, os.PathLike, Record, Measured, *((pandas.DataFrame,) if pandas is not None else ()))
     for entry in data if isinstance(data, list | tuple) else [data]:
-        arguments.kind("data", entry, kinds, "a CSV file, or a list of files")
+        arguments.kind("data", entry, kinds, "a CSV file, a data frame, or a list of them")
     arguments.callable("progress", progress)
     arguments.check()
     task = plan_fit(mechanism, data, parameters, **options)
@@ -228,13 +234,13 @@ class FitTask:
         VfifeError as assembling does.
         """
         record = max(self.evaluated, key=lambda record: record.curves.length.duration)
-        assembly = record.curves.cases.assembled(record.numbers([0.5] * len(record.parameters)))
+        assembly = assembled_within(record)
         lanes, stored = (
             stream_lanes(len(assembly.topology.contact_bearing)),
             0 if file is None or replace else self.stored_runs(Path(file)),
         )
         left, values = max(self.runs - stored, 0), record.misfit.count
-        table = stream(assembly, self.simultaneous_runs, lanes)
+        table, tangent_bound = stream(assembly, self.simultaneous_runs, lanes), 0.0
         seconds = table.seconds(left) + COMPARISON * values * left
         if WORTH < seconds < LONG and left > PILOT_RUNS:
             pilot = dataclasses.replace(record, indices=())
@@ -248,18 +254,35 @@ class FitTask:
                 min(seconds_per_run, table.stepping),
             )
             seconds = Stream(overhead, stepping, self.simultaneous_runs).seconds(left)
+            if self.settings.derivatives != "differences":
+                query = Query(tuple(places[0]), None, True)
+                point_seconds = timed(lambda: evaluations([query]))
+                tangent_bound = self.tangent_bound(point_seconds, seconds / left)
         memory = RECORD_COPIES * run_cost(assembly).bytes * min(cores() * lanes, self.runs) + LIBRARIES
         remedy = "give fewer points (screened, starts), a shorter piece of the data or a coarser step"
         work = f"about {counted(left, 'run')} of {assembly.choice.steps:,} steps" + (
             f" beside {stored:,} that are there" if stored else ""
         )
-        bound = seconds / max(left, 1) * max(self.most_runs - stored, 0)
+        bound = max(seconds / max(left, 1) * max(self.most_runs - stored, 0), tangent_bound)
         return Forecast(
             "run", left, assembly.choice.steps, seconds, memory, COMPRESSED * 8.0 * values * left, stored,
             cores(), lanes, remedy=remedy, work=work, bound=bound if left else math.inf,
             note=f"; {self.least_runs:,} to {self.most_runs:,} runs by how the searches go, at most"
             f" {span(bound)}",
         )  # fmt: skip
+
+    def tangent_bound(self, point_seconds: float, run_seconds: float) -> float:
+        """Return the time (s) of a fit with all restarts and long searches whose derivatives are tangents: a
+        point with them takes ``point_seconds``, because no other lanes run beside it, and a run without
+        ``run_seconds``.
+        """
+        counts = [len(task.parameters) for task in self.records]
+        budget = Budget.of(counts, self.settings.screened, self.settings.starts)
+        points = budget.search_points(self.settings.restarts)
+        return (
+            points * len(counts) * point_seconds
+            + max(self.most_runs - points * budget.slopes, 0) * run_seconds
+        )
 
     def stored_runs(self, file: Path) -> int:
         """Return the number of runs in a fit file of the same question; all runs if the fit is complete."""
@@ -331,3 +354,17 @@ class FitTask:
         if slopes is not None:
             evaluations.finish()
         return result
+
+
+def assembled_within(record: FitRecord) -> Assembly:
+    """Return the assembly of a record's model in the middle of the bounds, or where one can be made. Raises
+    ModelError with the bounds if there is none.
+    """
+    parameters, reason = record.parameters, ""
+    for shares in (*middle_and_ends(len(parameters)), np.zeros(len(parameters))):  # the last are as written
+        try:
+            return record.curves.cases.assembled(record.numbers([float(share) for share in shares]))
+        except VfifeError as error:
+            reason = " ".join(str(error).split()).replace(" (given by set)", "")
+    bounds = ", ".join(f"{one.name} = {one.low:.6g} .. {one.high:.6g} {one.unit}" for one in parameters)
+    raise ModelError([Fault(bounds, f"no model can be made within these bounds: {reason}")], "fit")

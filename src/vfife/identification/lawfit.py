@@ -22,7 +22,7 @@ from ..modelfile.paths import parsed
 from ..results.fit import Fit, FitCurve
 from ..schema import Measure, value_of
 from ..studies.spec.distributions import sobol
-from .measurements import factor, numbers, split, table
+from .measurements import csv_text, factor, numbers, split, table
 from .parameters import FitParameter
 from .step_uncertainty import confidence_of, fit_values
 
@@ -268,7 +268,7 @@ def forces(law: ContactLaw, pair: Pair, loop: Loop, speeds: list[float]) -> Arra
 def loop_of(path: Path) -> Loop:
     """Read a measured loop from a CSV file. Raises ModelError with all faults."""
     faults: list[Fault] = []
-    heads, rows = table(path, faults)
+    heads, rows = table(csv_text(path, faults), faults)
     columns = {name.lower(): (k, unit) for k, (name, unit) in enumerate(map(split, heads))}
     chosen = {name: columns[name] for name in UNITS if name in columns}
     if not faults and ("penetration" not in chosen or not {"force", "loading"} & chosen.keys()):

@@ -6,11 +6,12 @@ from __future__ import annotations
 
 import csv
 import math
+import os
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,9 @@ from ..errors import Fault, ModelError, VfifeError, shown, suggestion
 from ..files import path_of, read_bytes, remedy_of_row, with_decimal_points
 from ..files.kinds import refuse_kind
 from ..units import unit_factor
+
+if TYPE_CHECKING:
+    import pandas
 
 Array = NDArray[np.float64]
 Abscissa = Literal["time", "angle"]
@@ -31,6 +35,7 @@ ABSCISSAE: Mapping[str, tuple[Abscissa, str]] = {
     "angle": ("angle", "rad"),
 }
 LARGEST, MOST_ROWS = 64_000_000, 500_000  # bytes and rows of a file
+FRAME = "data frame"  # name of the data of a frame
 LEAST_SAMPLES = 8  # samples of a curve
 MOST_FAULTS = 10  # faults of one kind; more are counted
 
@@ -96,21 +101,25 @@ class CsvSpec:
 
 
 def measured(
-    path: str | Path,
+    data: str | Path | pandas.DataFrame,
     units: Mapping[str, str],
     specs: Mapping[str, CsvSpec] | None = None,
     weights: Mapping[str, float] | None = None,
 ) -> Measured:
-    """Read the curves of a CSV file.
+    """Read the curves of a CSV file, or of a data frame with columns of the same names.
 
     ``units`` are the units of the mechanism's channels by name. ``specs`` maps names of columns to their
     channels; without it, every column with the name of a channel is used. ``weights`` are by name of a
     column, 1 unless given. Raises ModelError with all faults of the file.
     """
-    path, weights = path_of(path, "fit"), weights or {}
-    faults: list[Fault] = []
-    refuse_kind(path, "table")
-    heads, rows = table(path, faults)
+    weights, faults = weights or {}, list[Fault]()
+    if isinstance(data, str | os.PathLike):
+        path = path_of(data, "fit")
+        refuse_kind(path, "table")
+        name, text = path.name, csv_text(path, faults)
+    else:
+        path, name, text = Path(FRAME), FRAME, frame_text(data)
+    heads, rows = table(text, faults)
     columns = [split(head) for head in heads]
     place = abscissa(columns, heads, faults)
     fault_count = len(faults)
@@ -157,7 +166,7 @@ def measured(
     )
     omitted = tuple(name for k, (name, _) in enumerate(columns) if name in units and k not in chosen)
     unknown = unknown_columns(columns, place, units) if specs is None else ()
-    return Measured(quantity, factors[place] * values[place], curves, path.name, omitted, unknown)
+    return Measured(quantity, factors[place] * values[place], curves, name, omitted, unknown)
 
 
 def unknown_columns(
@@ -242,14 +251,25 @@ def csv_text(path: Path, faults: list[Fault]) -> str | None:
         return None
 
 
-def table(path: Path, faults: list[Fault]) -> tuple[list[str], list[tuple[int, list[str]]]]:
-    """Read the heads of a CSV file and its rows, each with the number of its line; add faults to ``faults``.
+def frame_text(frame: pandas.DataFrame) -> str:
+    """Return a data frame as the text of a CSV file; its index is a column if it is named as times or angles
+    are and no column is.
+    """
+
+    def is_place(name: Any) -> bool:
+        return split(str(name))[0].lower() in ABSCISSAE
+
+    index = is_place(frame.index.name) and not any(map(is_place, frame.columns))
+    return str(frame.to_csv(index=index))
+
+
+def table(text: str | None, faults: list[Fault]) -> tuple[list[str], list[tuple[int, list[str]]]]:
+    """Read the heads of a CSV text and its rows, each with the number of its line; add faults to ``faults``.
 
     The delimiter is the most frequent of comma, semicolon and tab in the first line; lines that begin with
     ``#`` are comments. Between semicolons or tabs numbers may have decimal commas. Rows with a wrong number
     of cells are reported and left out.
     """
-    text = csv_text(path, faults)
     if text is None:
         return [], []
     first = next(

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from ..errors import Fault, ModelError, kind_of, shown
 from ..model.mechanism import Mechanism
@@ -18,11 +19,14 @@ from ..solvers.arguments import LARGEST_COUNT, Arguments
 from ..studies.spec.plan import Amount
 from .curves import units_of
 from .descents import MOST_RESTARTS, Derivatives
-from .measurements import Measured, columns_of, measured
+from .measurements import FRAME, Measured, columns_of, measured
 from .parameters import FitParameter, Parameters
 from .residuals import Comparison, Misfit
 from .run_length import Offset, RunLength, envelope_width, models_of, offset_of, run_length_of, step_of
 from .starts import starts_of
+
+if TYPE_CHECKING:
+    import pandas
 
 Start = Literal["model", "data"]
 
@@ -31,14 +35,15 @@ Start = Literal["model", "data"]
 class Record:
     """A measured record of several that a fit compares at once, and what it has of its own.
 
-    ``data``: a CSV file, or curves. ``offset``: where its first sample lies, as :func:`fit` takes it.
+    ``data``: a CSV file, a data frame with the same columns, or curves. ``offset``: where its first sample
+    lies, as :func:`fit` takes it.
     ``start``: "data" looks for angle and speed of each body whose angle was measured near its first samples,
     "model" begins as the model does. ``own``: bounds by path of numbers of which it has its own values.
     ``set``: numbers by path that are known of it. ``name``: of the record in results and
     messages. What is None is as the fit has it for all records.
     """
 
-    data: str | Path | Measured
+    data: str | Path | Measured | pandas.DataFrame
     offset: Any = None
     start: Start | None = None
     own: Mapping[str, Any] | Sequence[str] | None = None
@@ -46,7 +51,7 @@ class Record:
     name: str = ""
 
 
-Data = str | Path | Measured | Record
+Data = Any  # a file, a pandas.DataFrame, Measured or Record
 
 
 @dataclass(frozen=True)
@@ -287,9 +292,11 @@ def names_of(records: Sequence[Record]) -> list[str]:
     """Names of records: as given, or those of their files, with a number where several have one name."""
     names = list[str]()
     for record in records:
-        name = record.name or (
-            record.data.name if isinstance(record.data, Measured) else Path(record.data).stem
-        )
+        data = record.data
+        if isinstance(data, str | os.PathLike):
+            name = record.name or Path(data).stem
+        else:
+            name = record.name or (data.name if isinstance(data, Measured) else FRAME)
         count = sum(name == former_name.partition(" (")[0] for former_name in names)
         names.append(f"{name} ({count + 1})" if count else name)
     return names

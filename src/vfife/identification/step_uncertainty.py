@@ -21,7 +21,7 @@ from ..errors import VfifeError
 from ..results.fit import Fit, FitCurve, FitRecordValues, FitValue
 from .batched_queries import Evaluations, Outcome
 from .curve_sensitivity import RANK_TOLERANCE, CurveSensitivity, sensitivity_of
-from .other_minima import Limits, OtherMinima, Search, dispute_words, other_minima
+from .other_minima import Limits, OtherMinima, Search, dispute_words, excess_of, excess_words, other_minima
 from .parameters import FitParameter
 from .residuals import FitRecord, Fitted, Misfit, Slopes
 
@@ -34,11 +34,6 @@ LEAST_FREEDOM = 1e-3
 # than the second factor with other steps, or the residual exceeds the third share of the data's standard
 # deviation: confidence limits assume that residuals are noise.
 UNSETTLED, INFLATED, UNEXPLAINED = 0.25, 1.1, 0.25
-# Residuals below this share of the data's deviation are the noise of usual records; the concentration of
-# larger ones that is more than noise. At the true numbers of a slider-crank with 2 % noise it is 1.05 and
-# 1.2, in minima that leave 12 % it is 1.7 and 2.1; that of 150 normal numbers is within 1.3.
-SYSTEMATIC, CONCENTRATED = 0.05, 1.5
-NORMAL = 1.4826  # standard deviation of normal numbers over the median of their sizes
 
 
 @dataclass(frozen=True)
@@ -252,7 +247,8 @@ def concluded(
         margin = likelihood_margin(confidence, sum(map(len, parts)) - unknowns, level)
         _, near_limits = widened(confidence, sensitivity, shared, shared_shares, points, 0.0)
         errors, limits = widened(confidence, sensitivity, shared, shared_shares, points, margin)
-    trusted = not is_systematic(evaluations.share, parts) and getattr(sensitivity, "trusted", True)
+    excess = excess_of(records, outcome)
+    trusted = not excess and getattr(sensitivity, "trusted", True)
     joint_confidence = confidence if len(common) == len(parameters) else confidence_of(
         parts, parameters, shares, None if slopes is None else slopes.jacobian, unknowns, level, inflation
     )  # fmt: skip
@@ -281,47 +277,18 @@ def concluded(
         curves, sorted(search.ends), evaluations.runs, len(evaluations.reasons),
         source, confidence.autocorrelation,
         level, time.monotonic() - evaluations.began, misfit.comparison,
-        notes_of(evaluations, outcome, search, minima, sensitivity),
+        notes_of(evaluations, outcome, search, minima, sensitivity, excess),
         record_results if len(record_results) > 1 or first.values else [],
     )  # fmt: skip
 
 
-def is_systematic(share: float, residuals: Sequence[Array]) -> bool:
-    """Return whether the residuals, a ``share`` of the data's deviation, are more than noise: large, and in
-    some places many times those of the rest, as where the model strikes at other times than the rig.
-    """
-    return share > SYSTEMATIC and max(map(concentration, residuals)) > CONCENTRATED
-
-
-def concentration(residuals: Array) -> float:
-    """Return the root mean square of residuals over that of normal numbers with the same median size: 1 for
-    noise, more if few of them are large.
-    """
-    centred = residuals - np.median(residuals)
-    usual = NORMAL * float(np.median(np.abs(centred)))
-    return float(np.sqrt(np.mean(centred * centred))) / usual if usual > 0.0 else 1.0
-
-
-def systematic_words(share: float, residuals: Sequence[Array]) -> Iterator[str]:
-    """Yield a caution on residuals that are more than noise."""
-    if not is_systematic(share, residuals):
-        return
-    times = max(map(concentration, residuals))
-    yield (
-        f"the residual, {100.0 * share:.2g} % of the data's deviation, is more than noise: its root mean"
-        f" square is {times:.2g} times what most samples leave. The searches ended in another minimum, or the"
-        " model differs from the rig, so confidence is not known; search within narrower bounds or from"
-        " more starts"
-    )
-
-
 def notes_of(
     evaluations: Evaluations, outcome: Outcome, search: Search, minima: OtherMinima,
-    sensitivity: CurveSensitivity | None,
+    sensitivity: CurveSensitivity | None, excess: str,
 ) -> list[str]:  # fmt: skip
     """Return notes and cautions on a fit, the gravest first."""
     return [
-        *systematic_words(evaluations.share, curves_of(evaluations.records, outcome)),
+        *([excess_words(evaluations.share, excess)] if excess else []),
         *search.notes,
         *dispute_words(evaluations.parameters, minima, search, outcome.cost),
         *cautions(evaluations, outcome.unsettled, sensitivity),

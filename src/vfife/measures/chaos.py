@@ -81,6 +81,10 @@ class Exponent:
     running: Array = field(repr=False)
     halves: tuple[float, float]
 
+    def __float__(self) -> float:
+        """Return :attr:`value`, as measures do."""
+        return float(self.value)
+
     @property
     def estimated(self) -> bool:
         """Whether the range is known."""
