@@ -31,13 +31,14 @@ from ..model.validation.checks import connections, used_pins
 from ..model.validation.magnitudes import extents_of
 from ..model.validation.plausibility import suspect_connections, suspect_sizes, suspects, unconnected
 from ..modelfile import dump
+from ..numerics.scalar import distance
 from .timestep import length_of
 
 STRETCH = 0.01  # of the length of the two-particle links of a loop: more is beyond any metal
 LARGE_ANGLE = math.radians(50.0)  # from an approximate angle, to close
 MOST_LENGTHS = 3
 MOST_PLACES = 4
-NEAR = 0.01  # of the largest body: pins so close at the start may be meant as one
+CLOSENESS = 0.01  # of the largest body: pins so close at the start may be meant as one
 # motions whose outlook is kept: to follow one takes longer than to assemble it, and commands ask several
 # times
 CACHE_SIZE = 64
@@ -240,9 +241,9 @@ def missing_joints(mechanism: Mechanism, motion: Motion) -> tuple[str, ...]:
     joint.
     """
     freedom = FreeMotions(mechanism, motion.system, motion.position, motion.hand)
-    if unconnected(mechanism) or motion.mobility.blocked or not len(freedom.all):
+    if unconnected(mechanism) or motion.mobility.blocked or not len(freedom.motions):
         return ()
-    moved, pair = freedom.moved(freedom.all), _neighbours(freedom)
+    moved, pair = freedom.moved(freedom.motions), _neighbours(freedom)
     idle = freedom.moved(freedom.idle) if mechanism.drivers else []
     open_pins = _open_pins(mechanism)
     if not (pair or idle or (mechanism.drivers and _without_lead(freedom, moved, open_pins))):
@@ -257,7 +258,7 @@ def missing_joints(mechanism: Mechanism, motion: Motion) -> tuple[str, ...]:
     elif ends:
         causes.append(f"{_listed(ends)} {'is' if len(ends) == 1 else 'are'} joined to nothing")
     subject = "The drivers leave" if mechanism.drivers else "The mechanism has"
-    degrees = "1 degree" if len(freedom.all) == 1 else f"{len(freedom.all)} degrees"
+    degrees = "1 degree" if len(freedom.motions) == 1 else f"{len(freedom.motions)} degrees"
     detail = f": {'; '.join(causes)}" if causes else ""
     return (f"{subject} {degrees} of freedom, in which {_listed(moved)} can move{detail}. {remedy}",)
 
@@ -292,21 +293,21 @@ def _neighbours(freedom: FreeMotions) -> tuple[str, str, float] | None:
     joined = {frozenset(end.partition(".")[0] for end in pair) for pair in connections(mechanism)}
     sides = [("ground", name) for name in mechanism.points]
     sides += [(name, pin) for name, body in mechanism.bodies.items() for pin in body.points]
-    near, found = NEAR * max(extents_of(mechanism), default=0.0), []
+    near, pairs = CLOSENESS * max(extents_of(mechanism), default=0.0), []
     for pin, is_end in _open_pins(mechanism).items():
         owner, _, name = pin.partition(".")
         for side in sides:
-            meant = {owner, side[0]} in joined or (side[0] == "ground" and ".".join(side) in pinned)
-            if side[0] == owner or not (driven or (is_end and not meant)):
+            intended = {owner, side[0]} in joined or (side[0] == "ground" and ".".join(side) in pinned)
+            if side[0] == owner or not (driven or (is_end and not intended)):
                 continue
-            away = math.dist(freedom.place((owner, name)), freedom.place(side))
-            apart = np.abs(freedom.speeds((owner, name)) - freedom.speeds(side)).max()
-            if away <= near and apart > MOVES:
-                found.append((away, pin, ".".join(side)))
-    if not found:
+            away = distance(freedom.place((owner, name)), freedom.place(side))
+            parting = np.abs(freedom.speeds((owner, name)) - freedom.speeds(side)).max()
+            if away <= near and parting > MOVES:
+                pairs.append((away, pin, ".".join(side)))
+    if not pairs:
         return None
-    away, pin, beside = min(found)
-    return pin, beside, away
+    away, pin, neighbour = min(pairs)
+    return pin, neighbour, away
 
 
 def _without_lead(freedom: FreeMotions, moved: Sequence[str], open_pins: Mapping[str, bool]) -> bool:

@@ -85,18 +85,18 @@ class FreeMotions:
     hand: float
 
     @cached_property
-    def all(self) -> Array:
+    def motions(self) -> Array:
         """Motions [count, bodies, 3] in which no driver moves: a torque or force is taken for a motion."""
         return self._without([], [])
 
     @cached_property
     def groups(self) -> list[Group]:
         """The groups of free bodies that joints, springs and gears join to each other."""
-        mechanism, free = self.mechanism, self.moved(self.all)
+        mechanism, free = self.mechanism, self.moved(self.motions)
         pairs = [{end.partition(".")[0] for end in pair} for pair in connections(mechanism)]
-        between = [pair for pair in pairs if "ground" not in pair and len(pair) == 2]
-        neighbours = neighbours_of(mechanism.bodies, between)
-        near = neighbours_of(free, (pair for pair in between if pair <= set(free)))
+        moving_pairs = [pair for pair in pairs if "ground" not in pair and len(pair) == 2]
+        neighbours = neighbours_of(mechanism.bodies, moving_pairs)
+        near = neighbours_of(free, (pair for pair in moving_pairs if pair <= set(free)))
         driven = {
             driven_body(name, driver)
             or (driver.point or mechanism.joints[driver.slider].journal).partition(".")[0]
@@ -106,14 +106,14 @@ class FreeMotions:
         guided = {
             end.partition(".")[0] for pair in connections(mechanism) if set(pair) not in pins for end in pair
         }
-        found: list[Group] = []
+        result: list[Group] = []
         for name in free:
-            if not any(name in group.bodies for group in found):
+            if not any(name in group.bodies for group in result):
                 bodies = reached(near, name)
                 looped = sum(1 for pair in pairs if bodies & pair) > len(bodies)
                 led = bool(reached(neighbours, name) & driven)
-                found.append(Group(bodies, led, looped, led and not looped and not bodies & guided))
-        return found
+                result.append(Group(bodies, led, looped, led and not looped and not bodies & guided))
+        return result
 
     @cached_property
     def idle(self) -> Array:
@@ -143,7 +143,7 @@ class FreeMotions:
             for bearing, journal in (joint.sides, joint.sides[::-1])
             if bearing[0] == "ground" and isinstance(place_row(joint.rows()), Guided)
         }
-        turning, result = self.moved(self.all[:, :, 2:]), []
+        turning, result = self.moved(self.motions[:, :, 2:]), []
         for name, body in self.mechanism.bodies.items():
             if not (gx or gy or name in hanging):
                 continue
@@ -156,7 +156,7 @@ class FreeMotions:
         """Return the motions without those along ``fixed`` coordinates (0 to 2) of bodies, and along ``ways``
         of their centres of mass.
         """
-        mechanism, names, held = self.mechanism, list(self.mechanism.bodies), []
+        mechanism, names, rows_of_zero = self.mechanism, list(self.mechanism.bodies), []
         for name, driver in mechanism.drivers.items():
             if not driver.moves and (body := driven_body(name, driver)):
                 fixed = [*fixed, (body, 2)]
@@ -169,9 +169,9 @@ class FreeMotions:
         for name, way in [*rows, *((name, np.array([*way, 0.0])) for name, way in ways)]:
             row = np.zeros((len(names), 3))
             row[names.index(name)] = way
-            held.append(row.ravel())
+            rows_of_zero.append(row.ravel())
         place = self.position * (1.0, self.hand, self.hand)
-        return _free(self.system, place, np.reshape(held, (-1, 3 * len(names))))
+        return _free(self.system, place, np.reshape(rows_of_zero, (-1, 3 * len(names))))
 
     def moved(self, motions: Array) -> list[str]:
         """Return the bodies that take part in motions."""
@@ -181,27 +181,27 @@ class FreeMotions:
     def speeds(self, side: tuple[str, str]) -> Array:
         """Return the velocity of a pin in each of the motions left, [count, 2]."""
         if side[0] == "ground":
-            return np.zeros((len(self.all), 2))
+            return np.zeros((len(self.motions), 2))
         k, hand = list(self.mechanism.bodies).index(side[0]), self.hand
         x, y = np.subtract(self.place(side), self.position[k + 1, :2])
-        turning = self.all[:, k, 2] / self.system.metric[0][3 * k + 2]
-        return np.asarray(self.all[:, k, :2] + np.outer(turning, [1.0, 1.0]) * (-hand * y, x))
+        turning = self.motions[:, k, 2] / self.system.metric[0][3 * k + 2]
+        return np.asarray(self.motions[:, k, :2] + turning[:, None] * (-hand * y, x))
 
     def place(self, side: tuple[str, str]) -> tuple[float, float]:
         """Return the place of a pin at the start (m)."""
         return world(self.mechanism, self.position, self.system.names, side)
 
 
-def _free(system: RigidSystem, position: Array, held: Array) -> Array:
+def _free(system: RigidSystem, position: Array, rows_of_zero: Array) -> Array:
     """Return orthonormal motions [count, n - 1, 3] of first order, (x, y, l theta) of each body, that joints
-    and drives permit at a closed position [n, 3] and that have no part along the rows of ``held``
+    and drives permit at a closed position [n, 3] and that have no part along the rows of ``rows_of_zero``
     [rows, 3(n-1)]. Large systems, whose equations are sparse, return none.
     """
     jacobian, columns = equations(system, position).jacobian, 3 * (len(system.names) - 1)
     if not isinstance(jacobian, np.ndarray):
         return np.zeros((0, len(system.names) - 1, 3))
     # A row of zeros, so that a system without rows has singular values too.
-    _, sizes, right = dense.svd(np.vstack([jacobian, held, np.zeros((1, columns))]))
+    _, sizes, right = dense.svd(np.vstack([jacobian, rows_of_zero, np.zeros((1, columns))]))
     rank = int(np.count_nonzero(sizes > RANK * max(1.0, float(sizes.max()))))
     return np.asarray(right[rank:].reshape(-1, len(system.names) - 1, 3))
 

@@ -79,12 +79,12 @@ def redundancy(constraints: str, joints: Sequence[str], by_elastic: bool = False
     """Return a sentence on redundant ``constraints`` and their joints; ``by_elastic``: bodies that are
     elastic determine the reactions.
     """
-    how = (
+    reason = (
         "the elastic bodies determine how these joints share their load; rigid ones would not"
         if by_elastic
         else "rigid links do not determine how these joints share their load"
     )
-    return f"{constraints}, at {', '.join(joints)}: {how}."
+    return f"{constraints}, at {', '.join(joints)}: {reason}."
 
 
 def freedom_left(assembly: Assembly) -> int:
