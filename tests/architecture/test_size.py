@@ -14,10 +14,10 @@ from architecture.size import Size, size_of, sizes, tokens
 
 LIMITS = Size(
     files=507,
-    code=73_800,
-    tokens=742_000,
-    import_lines=7_150,
-    inner_imports=102,
+    code=74_400,
+    tokens=752_000,
+    import_lines=7_230,
+    inner_imports=103,
     many_arguments=10,
     tuples=28,
 )

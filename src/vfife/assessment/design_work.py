@@ -474,8 +474,8 @@ class DesignWork:
             job(Progress(count, count, 0.0, f"{count} machines at the limits of the fits"))
             self.corners = self.run_machines(list(limits), corner_clearances(limits), job)
             for _ in range(ROUNDS):
-                found = dataclasses.replace(self.design(), allocation=answer)
-                if machine := found.clearances_of_largest:
+                design = dataclasses.replace(self.design(), allocation=answer)
+                if machine := design.clearances_of_largest:
                     rows = clearances_around(machine, limits)
                     machines = self.run_machines(list(limits), rows, job)
                     self.around = joined([self.around, machines] if self.around else [machines])

@@ -37,7 +37,7 @@ GROWN_SPREADS, FINER_STEP = (-0.5 * CLEARANCE_SPREAD, 0.5 * CLEARANCE_SPREAD), 0
 MOST_GROWTH, SHARE_OF_CLEARANCE = 10e-6, 0.1  # m, and share: the growth of a clearance whose effect is quoted
 # Machines around that with the largest value, in rounds, and half the width of their range over that of the
 # limits of the fits.
-ROUNDS, AROUND, NEARBY = 2, 8, 0.125
+ROUNDS, AROUND, HALF_WIDTH = 2, 8, 0.125
 # Mean square of the difference to the nearest machine, over that of any two, from which a measure does not
 # vary smoothly: 0.01 to 0.05 of planes with two or three joints, 1 of noise; fewer machines tell nothing.
 ROUGH, FEWEST_FOR_ROUGHNESS = 0.25, 16
@@ -80,15 +80,15 @@ class MachineSample:
         """Root mean square of the difference (SI) between machines with nearly the same clearances, where the
         measure does not vary smoothly with them; 0 where it does, or too few machines tell.
         """
-        known = np.isfinite(self.values)
-        values, places = self.values[known], self.clearances[known]
+        finite = np.isfinite(self.values)
+        values, places = self.values[finite], self.clearances[finite]
         width = np.ptp(places, axis=0) if len(places) else np.zeros(0)
         if len(values) < FEWEST_FOR_ROUGHNESS or not width.any() or not np.ptp(values):
             return 0.0
         places = places[:, width > 0.0] / width[width > 0.0]
-        apart = np.square(places[:, None] - places[None]).sum(axis=2)
-        np.fill_diagonal(apart, math.inf)
-        square = float(np.square(values - values[apart.argmin(axis=1)]).mean())
+        distances = np.square(places[:, None] - places[None]).sum(axis=2)
+        np.fill_diagonal(distances, math.inf)
+        square = float(np.square(values - values[distances.argmin(axis=1)]).mean())
         return math.sqrt(square) if square > ROUGH * 2.0 * float(values.var()) else 0.0
 
     @property
@@ -123,7 +123,7 @@ def clearances_around(machine: Mapping[str, float], limits: Mapping[str, tuple[f
     (machines, joints).
     """
     low, high = np.array(list(limits.values())).T
-    middle, half = np.array([machine[name] for name in limits]), NEARBY * (high - low)
+    middle, half = np.array([machine[name] for name in limits]), HALF_WIDTH * (high - low)
     unit = places("latin", AROUND, len(limits), SEED)
     return np.asarray(np.clip(middle + half * (2.0 * unit - 1.0), low, high))
 

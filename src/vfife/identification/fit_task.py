@@ -366,5 +366,5 @@ def assembled_within(record: FitRecord) -> Assembly:
             return record.curves.cases.assembled(record.numbers([float(share) for share in shares]))
         except VfifeError as error:
             reason = " ".join(str(error).split()).replace(" (given by set)", "")
-    bounds = ", ".join(f"{one.name} = {one.low:.6g} .. {one.high:.6g} {one.unit}" for one in parameters)
+    bounds = ", ".join(f"{p.name} = {p.low:.6g} .. {p.high:.6g} {p.unit}" for p in parameters)
     raise ModelError([Fault(bounds, f"no model can be made within these bounds: {reason}")], "fit")

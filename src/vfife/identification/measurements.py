@@ -149,9 +149,8 @@ def measured(
     if place is not None:
         check_places(values[place], [line for line, _ in rows], heads[place], faults)
     flat = [heads[k] for k in chosen if len(rows) and float(np.ptp(values[k])) == 0.0]
-    faults += [
-        Fault(f"column {head}", "every value is the same", remedy="leave the column out") for head in flat
-    ]
+    fault, remedy = "every value is the same", "leave the column out"
+    faults += [Fault(f"column {head}", fault, remedy=remedy) for head in flat]
     if faults or place is None:
         raise ModelError(faults, str(path))
     curves = tuple(

@@ -32,7 +32,7 @@ NEAR_RESIDUAL = 1.5
 CONCENTRATED, SPIKE = 4.5, 6.0
 # A residual is more than noise if it is this many times that of the record, and less than this share of the
 # data's deviation is none; of envelopes and spectra, which are never white, by their concentration only.
-ABOVE_NOISE, NEGLIGIBLE = 1.5, 0.002
+NOISE_RATIO, NEGLIGIBLE = 1.5, 0.002
 SMOOTHED_SHARE, SMOOTHED_CONCENTRATION = 0.05, 1.5
 NORMAL = 1.4826  # standard deviation of normal numbers over the median of their sizes
 # Order of the differences that leave the noise of a smooth curve, and their deviation over that of the noise.
@@ -141,7 +141,7 @@ def excess_of(records: Sequence[FitRecord], outcome: Outcome) -> str:
             if spikes and size > 0.0:
                 return f"{name} misses {spikes} of {len(curve)} samples by more than {SPIKE:g} times the rest"
             noise = noise_of(misfit.data[:, k]) * float(misfit.weights[k])
-            if len(records) == 1 and rms > (ABOVE_NOISE + margin) * noise > 0.0:
+            if len(records) == 1 and rms > (NOISE_RATIO + margin) * noise > 0.0:
                 return f"{name} leaves {rms / noise:.2g} times the noise of its samples"
     return ""
 

@@ -252,12 +252,10 @@ def concluded(
     joint_confidence = confidence if len(common) == len(parameters) else confidence_of(
         parts, parameters, shares, None if slopes is None else slopes.jacobian, unknowns, level, inflation
     )  # fmt: skip
-    joint_limits = [
-        near_limits[common.index(k)] if k in common else pair
-        for k, pair in enumerate(joint_confidence.limits)
-    ]
-    finished = Search() if slopes is None else search
-    minima = other_minima(parameters, finished, (outcome.cost, shares), joint_limits)
+    shared_limits = dict(zip(common, near_limits, strict=True))
+    joint_limits = [shared_limits.get(k, pair) for k, pair in enumerate(joint_confidence.limits)]
+    last = Search() if slopes is None else search
+    minima = other_minima(parameters, last, (outcome.cost, shares), joint_limits)
     errors, limits = minima.cover(common, errors, limits)
     certainty = [trusted and not disputed for disputed in minima.disputed]
     values = fit_values(shared, shared_shares, errors, limits, [certainty[k] for k in common])

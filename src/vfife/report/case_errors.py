@@ -6,6 +6,8 @@ import dataclasses
 import math
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..numerics.outward import UP
 from ..results.case_errors import NOT_ESTIMATED, turn_changes, uncertain_ranges
 from ..solvers.companions import SENSITIVE
@@ -32,6 +34,19 @@ def error_words(error: ErrorEstimate | None, unit: str) -> str:
     return (
         f"Numerical error of a case: typically {typical_words(error, unit)}, at most"
         f" {quantity(error.most, unit, UP)} ({error.words})."
+    )
+
+
+def error_share(study: Study, result: Any) -> str:
+    """Return the share of the numerical error of cases in the variance of a measure."""
+    error = study.errors.get(result.measure)
+    text, values = error_words(error, result.unit), study.values(result.measure)
+    variance = float(np.nanvar(values)) if np.isfinite(values).any() else 0.0
+    if error is None or variance == 0.0:
+        return text
+    return (
+        f"{text} The mean square of this error is {100.0 * error.rms * error.rms / variance:.2g} % of the"
+        " variance; margins are those of sampling alone."
     )
 
 

@@ -7,8 +7,6 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ..job.progress import counted
 from ..laws.stored import standing_in
 from ..measures import catalogue
@@ -21,6 +19,7 @@ from ..store.lock import holder
 from .amounts import Digits, limit_digits, limit_quantity, prefixed, quantities, quantity, quantity_of_digits
 from .case_errors import (
     digits_of,
+    error_share,
     error_table,
     error_words,
     errors_data,
@@ -446,7 +445,7 @@ def indices(study: Study, file: str, results: Sequence[Any]) -> Document:
     """
     parts: list[Part] = []
     for result in results:
-        parts += [_index_table(result), Paragraph(_error_share(study, result), lines="whole")]
+        parts += [_index_table(result), Paragraph(error_share(study, result), lines="whole")]
         if result.left_out:
             parts.append(
                 Paragraph(
@@ -488,16 +487,3 @@ def _index_table(result: Any) -> Table:
         for row in effects
     ]
     return Table.numeric((result.measure, "size of the effect", "±", "mean", "deviation"), rows)
-
-
-def _error_share(study: Study, result: Any) -> str:
-    """Return the share of the numerical error of cases in the variance of a measure."""
-    error = study.errors.get(result.measure)
-    text, values = error_words(error, result.unit), study.values(result.measure)
-    variance = float(np.nanvar(values)) if np.isfinite(values).any() else 0.0
-    if error is None or variance == 0.0:
-        return text
-    return (
-        f"{text} The mean square of this error is {100.0 * error.rms * error.rms / variance:.2g} % of the"
-        " variance; margins are those of sampling alone."
-    )

@@ -172,14 +172,14 @@ class Falls:
             self.ways[joints] = self.ways.get(joints, 0.0) + float(ways[k])
 
     @property
-    def carried(self) -> float:
+    def contact_way(self) -> float:
         """The way (:meth:`Relaxation.way`) on which all joints touch that touch in the end: where one of them
         is open, journals cross their clearances, and the structure is not what it is at rest.
         """
         return sum(
             way
             for joints, way in self.ways.items()
-            if all(now or not end for now, end in zip(joints, self.last, strict=True))
+            if all(closed or not end for closed, end in zip(joints, self.last, strict=True))
         )
 
 
@@ -209,7 +209,7 @@ class Stage:
         which clearances are taken up.
         """
         way = self.relaxation.way(self.relaxation.state[self.relaxation.places] - self.start)
-        return self.falls.carried > SNAPPED * float(way)
+        return self.falls.contact_way > SNAPPED * float(way)
 
     def run(self, settings: Settings) -> tuple[Status, str] | None:
         """Go to the load factor and relax. Returns status and message if no equilibrium is found, else
