@@ -226,7 +226,9 @@ def test_a_search_cautions_about_a_best_case_without_impacts(speed: float, count
 
     name = "C.approach_speed.max"
     request = {"wanted": {"turns": 2, "last": 1}}
-    study = SimpleNamespace(parameters=(), measures={name: "m/s"}, path="s.study", request=request)
+    study = SimpleNamespace(
+        parameters=(), measures={name: "m/s"}, path="s.study", request=request, outcomes={}
+    )
     search = SimpleNamespace(aims=[name], minimised=[name], maximised=[])
     best = [SimpleNamespace(number=1, parameters={}, values={name: speed}, feasible=True)]
     answer: Any = SimpleNamespace(study=study, search=search, best=best, cases=best, refined=0, reason="")
