@@ -126,9 +126,8 @@ def test_a_large_frame_has_a_short_legend_and_no_more_panels_than_fit():
     found = figures(vfife.simulate(chain, duration=0.01, loop="data-driven"))
     legend = [text.get_text() for text in found["mechanism"].legends[0].get_texts()]
     assert "… and 9 more bodies" in legend and len(legend) < 15
-    assert (
-        len(found["forces"].axes) == 16 > len(found["accelerations"].axes) > 8
-    )  # the far end is still at rest
+    # The far end is still at rest: links whose acceleration is about zero have no panel.
+    assert len(found["forces"].axes) == 16 > len(found["accelerations"].axes) >= 8
 
 
 def test_plates_are_convex_and_frames_do_not_run_across_gaps():
