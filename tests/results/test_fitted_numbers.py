@@ -4,6 +4,7 @@ a bound, sentences.
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 
@@ -103,3 +104,15 @@ def test_remarks_say_how_it_was_found() -> None:
         and fit_of(ONE, autocorrelation=0.1).remarks == []
     )
     assert fit_of(replace(ONE, value=200.0)).remarks == ["At a bound, so perhaps beyond it: k."]
+
+
+def test_a_file_has_null_for_what_is_not_known_and_the_ends_of_all_that_fits(tmp_path) -> None:
+    """NaN is no JSON."""
+
+    def refuse(constant: str) -> None:
+        raise AssertionError(f"{constant} is no JSON")
+
+    fit_of(ONE, replace(ONE, name="c", known=False)).write_json(tmp_path / "fit.json")
+    sure, unknown = json.loads((tmp_path / "fit.json").read_text(), parse_constant=refuse)["parameters"]
+    assert (sure["low"], sure["high"]) == (290.0, 320.0) and "ends" not in sure
+    assert unknown["low"] is unknown["standard_error"] is None and unknown["ends"] == [290.0, 320.0]

@@ -23,9 +23,8 @@ STRIDES = 2, 4  # points, of which the 0-1 test takes one to see chaos in bands
 BAND_POINTS = 50  # that it needs then
 FOLLOWED = 120  # latest points whose curve is sought: of more, scatter outweighs the steps along it
 PEAKS = 8  # of the spectrum, whose frequencies may be the rotation number
-LARGEST_GAP = (
-    5.0  # between neighbours along a curve, over their mean distance; longer periods leave larger ones
-)
+# Largest distance of neighbours along a curve, over their mean distance: longer periods leave larger ones.
+LARGEST_GAP = 5.0
 # Largest sum of the distances of points from the line between their neighbours along a curve, over that of
 # the steps along it: 1 of points in groups, 0.9 of random ones, and of 200 on a curve of five lobes 0.1.
 SMOOTH = 0.25

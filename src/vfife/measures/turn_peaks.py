@@ -46,7 +46,7 @@ MOSTLY = 0.5
 RAISED = 1.25
 # Times the largest ideal force of a joint with shocks from which on its force is part of one, and times the
 # ideal value from which on such a shock makes a load.
-STRUCK, PASSED = 1.05, 1.1
+SHOCK_RATIO, LOAD_RATIO = 1.05, 1.1
 # Share of the largest force, or of the largest moment or torque, below which another is left out.
 LEAST_LOAD = 1e-3
 BLOCKS = "contact_force_squared_max", "contact_penetration_max"
@@ -268,9 +268,9 @@ def shock_loads(
     """Count for each largest load (``.force.max``, ``.moment.max`` and ``.torque.max``) but the forces of
     ``sources`` the turns in which a shock in one of these joints makes it.
 
-    That is a turn in which the load exceeds :data:`PASSED` times its ideal value, one of the measures
+    That is a turn in which the load exceeds :data:`LOAD_RATIO` times its ideal value, one of the measures
     ``reference``, in the same interval between outputs as a shock in a source, or in the one next to it.
-    There, the force of the source exceeds :data:`STRUCK` times its ideal value, or is the largest of the
+    There, the force of the source exceeds :data:`SHOCK_RATIO` times its ideal value, or is the largest of the
     turn. Turns of companions without outputs are not counted. Loads below :data:`LEAST_LOAD` of the largest
     of their kind are left out.
     """
@@ -287,7 +287,7 @@ def shock_loads(
                 if name.removesuffix(".force.max") in sources:
                     continue
                 row = int(np.argmax(column[rows]))
-                peak, limit = float(column[rows][row]), PASSED * reference.get(name, 0.0)
+                peak, limit = float(column[rows][row]), LOAD_RATIO * reference.get(name, 0.0)
                 raised[name] = raised.get(name, 0) + bool(peak > max(limit, floors[name]) and shocks[row])
     return {name: RaisedPeaks(count, turns) for name, count in raised.items()}
 
@@ -322,6 +322,6 @@ def _shock_intervals(
     shocks = np.zeros(rows.stop - rows.start, dtype=bool)
     for name in sources:
         force = loads[name][rows]
-        shocks |= force >= min(STRUCK * reference.get(name, 0.0), float(force.max()))
+        shocks |= force >= min(SHOCK_RATIO * reference.get(name, 0.0), float(force.max()))
     around = np.pad(shocks, 1)
     return np.asarray(shocks | around[:-2] | around[2:], dtype=bool)

@@ -15,7 +15,7 @@ from ..laws.contact.forms import PointContact
 from ..measures.forces import ground_joints
 from ..measures.turn_peaks import (
     LEAST_LOAD,
-    PASSED,
+    LOAD_RATIO,
     RAISED,
     DampedPeaks,
     RaisedPeaks,
@@ -116,7 +116,7 @@ def load_cautions(result: RunData, sources: Collection[str]) -> dict[str, str]:
     struck = {*sources, *(name.removesuffix(".force.max") for name in loads)}
     if struck & {*ground_joints(result.record)}:
         loads += [
-            name for name in SHAKING if result.measures.get(name, 0.0) > PASSED * ideal.get(name, 1e300)
+            name for name in SHAKING if result.measures.get(name, 0.0) > LOAD_RATIO * ideal.get(name, 1e300)
         ]
     if not loads:
         return {}
@@ -142,7 +142,7 @@ def raised_loads(result: RunData) -> list[str]:
         for group in (*groups, SHAKING[:1], SHAKING[1:])
         for name in group
         if name in measures and name in ideal
-        if measures[name] > PASSED * ideal[name]
+        if measures[name] > LOAD_RATIO * ideal[name]
         if measures[name] > LEAST_LOAD * max(measures.get(load, 0.0) for load in group)
     ]
     return sorted(loads, key=[*names, *SHAKING].index)

@@ -103,8 +103,7 @@ class FitValue:
     @property
     def width(self) -> float:
         """Half of its confidence interval over its value (1); infinite of what may be zero."""
-        low, high = self.ends or (self.low, self.high)
-        half = 0.5 * (high - low)
+        half = 0.5 * float(np.ptp(self.ends or (self.low, self.high)))
         return half / abs(self.value) if self.value else float("inf")
 
     @property
@@ -118,6 +117,7 @@ class FitValue:
             "name": self.name, "paths": list(self.paths), "unit": self.unit, "value": self.value,
             "standard_error": self.error, "low": self.low, "high": self.high, "bounds": list(self.bounds),
             "former": self.former, "known": self.known, "told": self.determined, "at_bound": self.at_bound,
+            **({"ends": list(self.ends)} if self.ends else {}),
         }  # fmt: skip
 
 
@@ -306,10 +306,9 @@ class Fit(DataTable):
                 f" {self.evaluations} runs."
             )
         if self.autocorrelation > 0.1:
-            correlation = f"correlation {self.autocorrelation:.2f}"
             sentences.append(
-                f"The residuals are autocorrelated ({correlation}), so they contain more than noise; the"
-                " errors are widened."
+                f"The residuals are autocorrelated (correlation {self.autocorrelation:.2f}), so they contain"
+                " more than noise; the errors are widened."
             )
         if bound := [value.name for value in self.values if value.at_bound]:
             sentences.append(f"At a bound, so perhaps beyond it: {', '.join(bound)}.")
@@ -374,8 +373,9 @@ class Fit(DataTable):
         return table_rows(columns)
 
     def write_json(self, path: str | Path) -> None:
-        """Write :meth:`json` to a file. Raises OSError."""
-        write_text(Path(path), json.dumps(self.json(), indent=1, default=float) + "\n")
+        """Write :meth:`json` to a file, numbers that are not known as null. Raises OSError."""
+        data = json.loads(json.dumps(self.json(), default=float), parse_constant=lambda _: None)
+        write_text(Path(path), json.dumps(data, indent=1, allow_nan=False) + "\n")
 
     if TYPE_CHECKING:  # attached by vfife.methods
 

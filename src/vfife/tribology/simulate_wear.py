@@ -300,9 +300,7 @@ class WearSimulation:
         self.blocks = WearRunner(assembly, PLACES, interrupts)
         self.turn_seconds = 0.0  # processor time of a turn, once it is timed
         self.block_numbers: dict[str, Any] = {}
-        self.pace_start: tuple[float, float] | None = (
-            None  # simulated turns and time (s) of the first progress
-        )
+        self.pace_start: tuple[float, float] | None = None  # simulated turns, time (s) of the first progress
         self.clearance = min(surface.clearance for surface in surfaces)
 
     def measure(self, change: Array) -> float:

@@ -86,12 +86,8 @@ class Stepped(Lane):
         if not plan.fine:
             self.every *= self.per
         self.rows = self.per if plan.fine else 1  # of a turn
-        self.turns, self.values, self.ranges, self.measured_turns = (
-            0,
-            dict[str, float](),
-            dict[str, float](),
-            1,
-        )
+        self.turns, self.measured_turns = 0, 1
+        self.values, self.ranges = dict[str, float](), dict[str, float]()
         self.settling: Settling | None = None
 
     @property
