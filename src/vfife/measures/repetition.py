@@ -28,6 +28,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.functions import cycle_of
 from ..solvers.record import Record, columns_of
 from ..solvers.repeating import (
     FEWEST_LATE,
@@ -117,7 +118,8 @@ def turns(record: Record) -> Turns | None:
     columns = _Columns(record, comparison, grid)
     streak = 1 if grid.has_integral_turns else PEAK_STREAK
     tolerance = SETTLED if settle is None else settle
-    motion = classify(columns, comparison, tolerance, partial(points, record, grid), streak)
+    cycle = math.lcm(*cycle_of(record.assembly.mechanism).values())
+    motion = classify(columns, comparison, tolerance, partial(points, record, grid), streak, cycle)
     return dataclasses.replace(motion, peaks_only=not grid.has_integral_turns)
 
 
@@ -207,12 +209,24 @@ def classify(
     tolerance: float,
     points_of: Callable[[int, int], Points] | None = None,
     streak: int = 1,
+    cycle: int = 1,
 ) -> Turns:
     """Classify turns, each of shape (outputs, columns); ``points_of`` returns the points of the turns from
     one to another, by which turns that scatter with the step are recognised. ``streak``: how often a period
-    must repeat.
+    must repeat. ``cycle``: turns after which drivers and gears are back, the only longer period that is
+    looked for.
     """
     motion = _classify(turns, comparison, tolerance, points_of, streak)
+    if cycle > LONGEST and motion.period is None:
+        match = repeated_since(turns, comparison, tolerance, streak, (cycle,))
+        if match is not None:
+            return _periodic(turns, comparison, tolerance, match)
+        if motion.motion != "not periodic":
+            return motion
+        count, cycles = motion.count, max((motion.count - motion.first + 1) // cycle, 1)
+        if count < (streak + 1) * cycle:
+            return dataclasses.replace(motion, motion="unsettled", first=count)
+        return dataclasses.replace(motion, first=count - cycles * cycle + 1)
     if points_of is None or motion.period == 1 or motion.motion in ("settling", "unsettled"):
         return motion
     count, first = motion.count, max(1, motion.count - TREND)
@@ -300,12 +314,7 @@ def _classify(
         if (periodic := scattered(count, tolerance, points_of, longest)) is not None:
             return periodic
     if repeated is not None:
-        period, since = repeated
-        # Whole periods only, or the mean would depend on where in the period the run ends.
-        latest = count - since + 1
-        latest = period if count < FEWEST_TURNS else min(latest, MOST_TURNS) // period * period
-        distance = comparison.distance(turns[count - 1 - period], turns[count - 1])
-        return Turns(count, "periodic", period, since, distance, tolerance, count - latest + 1, count)
+        return _periodic(turns, comparison, tolerance, repeated)
     # Of a motion that is not periodic the second half of the turns counts, without the transient before it.
     distances = nearest(turns, comparison)
     motion: Motion = "unsettled" if count < MANY_TURNS else "not periodic"
@@ -313,6 +322,18 @@ def _classify(
         motion = "settling"
     first = count - min(count // 2, MOST_TURNS) + 1 if motion == "not periodic" else count
     return Turns(count, motion, None, None, distances[-1] if distances else math.nan, tolerance, first, count)
+
+
+def _periodic(
+    turns: Sequence[Array], comparison: Comparison, tolerance: float, repeated: tuple[int, int]
+) -> Turns:
+    """Return turns that repeat with a period from some turn on."""
+    (period, since), count = repeated, len(turns)
+    # Whole periods only, or the mean would depend on where in the period the run ends.
+    latest = count - since + 1
+    latest = period if count < FEWEST_TURNS else max(min(latest, MOST_TURNS) // period, 1) * period
+    distance = comparison.distance(turns[count - 1 - period], turns[count - 1])
+    return Turns(count, "periodic", period, since, distance, tolerance, count - latest + 1, count)
 
 
 def nearest(turns: Sequence[Array], comparison: Comparison) -> list[float]:

@@ -6,9 +6,10 @@ from ..solvers.record import Estimate, Record
 from ..solvers.refinement import Refined
 from ..solvers.repeating import turn_grid
 from .catalogue import measures
-from .error_ranges import evaluated_turns, of_a_turn, over_turns, sizes, window
+from .error_ranges import evaluated_turns, joined, of_a_turn, over_turns, sizes, window
 from .extrapolation import SAFETY
 from .output_intervals import with_intervals
+from .samples import Samples
 from .turns import each_turn
 from .values import Measured
 from .zero_limits import scales_of_run
@@ -27,15 +28,21 @@ def estimate(record: Record, refined: Refined) -> Estimate:
     step (:func:`error_of`).
 
     Two runs may agree on a measure by chance. Therefore no relative error is taken to be smaller than FLOOR
-    times the largest relative error of the largest values.
+    times the largest relative error of the largest values. Means over turns that do not repeat have the error
+    of sampling in addition.
     """
-    full, half, quarter = (values_of(part, record) for part in (record, refined.half, refined.quarter))
+    samples = samples_of(record, record)
+    full = {name: sample.value for name, sample in samples.items()}
+    half, quarter = (values_of(part, record) for part in (refined.half, refined.quarter))
     names = [name for name in full if not name.endswith(PLACES) and name in half and name in quarter]
     errors = {name: error_of(full[name], half[name], quarter[name], refined.ratio) for name in names}
     run_sizes = {name: Measured(value, value - errors.get(name, 0.0), value) for name, value in full.items()}
     size = sizes(run_sizes, record.assembly.choice.step, scales_of_run(record))
     floor = FLOOR * max((errors[name] / size[name] for name in errors if name in size), default=0.0)
-    errors = {name: max(error, floor * size.get(name, abs(full[name]))) for name, error in errors.items()}
+    errors = {
+        name: max(error, floor * size.get(name, abs(full[name]))) + samples[name].mean_error
+        for name, error in errors.items()
+    }
     return Estimate(refined.order, with_intervals(errors, record, window(record)), refined.converges)
 
 
@@ -59,13 +66,18 @@ def error_of(value: float, half: float, quarter: float, motion: float | None) ->
 
 
 def values_of(part: Record, run: Record) -> dict[str, float]:
+    """Return the values of :func:`samples_of`."""
+    return {name: sample.value for name, sample in samples_of(part, run).items()}
+
+
+def samples_of(part: Record, run: Record) -> dict[str, Samples]:
     """Return the measures of a ``run`` from its last outputs, or from those of its repetition at another
     step.
     """
     motion, grid = evaluated_turns(run), turn_grid(run.assembly)
     if motion is None or grid is None or not motion.has_several:
-        return measures(part)
+        return joined(measures(part), [], (1.0,))
     # The outputs of a repetition are the last ones of the run; ``missing`` others come before them.
     missing = len(run.steps) - len(part.steps)
     lanes = [[of_a_turn(turn, None, None) for turn in each_turn(part, motion.first, motion.last, missing)]]
-    return {name: sample.value for name, sample in over_turns(lanes, (1.0,), all_lanes=False).items()}
+    return over_turns(lanes, (1.0,), all_lanes=False, chaotic=motion.motion == "not periodic")

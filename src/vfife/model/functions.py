@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterator
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from ..errors import Fault
@@ -17,6 +18,9 @@ if TYPE_CHECKING:
     from .mechanism import Mechanism
 
 NO_CRANK = "no crank turns at constant speed"
+# Turns of the longest cycle that is looked for, and how exactly a ratio of speeds must be one of whole
+# numbers: a run of 1000 turns is off by less than a millionth of a turn.
+LONGEST_CYCLE, SAME_RATIO = 1000, 1e-9
 
 
 def motion_function(driver: Driver, offset: float = 0.0, clock: float = 0.0) -> Polynomials:
@@ -77,6 +81,39 @@ def repeats_each_turn(mechanism: Mechanism) -> bool:
         and all(load.repeats_each_turn for load in mechanism.loads.values())
         and all(abs(gear.ratio) == 1.0 for gear in mechanism.gears.values())
     )
+
+
+def cycle_of(mechanism: Mechanism) -> dict[str, int]:
+    """Return the bodies that drivers of constant speed and gears turn, each with the number of turns of the
+    fastest driver in which it makes whole turns; none with a ratio of speeds that has no such number.
+    """
+    drivers = {
+        driver.body or name: driver for name, driver in mechanism.drivers.items() if turning_speed(driver)
+    }
+    fastest = max(map(turning_speed, drivers.values()), default=0.0)
+    rates = {"ground": Fraction(0)}
+    for _ in range(len(drivers) + len(mechanism.gears)):
+        for body, driver in drivers.items():
+            speed = driver.steady_speed
+            if speed is None:
+                return {}
+            if driver.against in rates:
+                rates[body] = rates[driver.against] + _ratio(speed / fastest)
+        for gear in mechanism.gears.values():
+            ratio = _ratio(gear.ratio)  # Willis: second - carrier = ratio (first - carrier)
+            factors = {gear.second: Fraction(1), gear.first: -ratio, carrier_of(mechanism, gear): ratio - 1}
+            unknown = [body for body, factor in factors.items() if factor and body not in rates]
+            if len(unknown) == 1:
+                total = sum((factor * rates.get(body, 0) for body, factor in factors.items()), Fraction(0))
+                rates[unknown[0]] = -total / factors[unknown[0]]
+    turns = {body: rate.denominator for body, rate in rates.items()}
+    return turns if math.lcm(*turns.values()) <= LONGEST_CYCLE else {}
+
+
+def _ratio(value: float) -> Fraction:
+    """Return a ratio of whole numbers, of which the lower one exceeds the longest cycle if there is none."""
+    ratio = Fraction(value).limit_denominator(LONGEST_CYCLE)
+    return ratio if abs(ratio - Fraction(value)) <= SAME_RATIO * abs(ratio) else Fraction(value)
 
 
 def crank_faults(

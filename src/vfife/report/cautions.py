@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterable, Iterator
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -19,6 +20,7 @@ from ..measures.statics import SNAP, displacement, first_leap
 from ..measures.trust import OPEN
 from ..measures.turns import full_run
 from ..measures.whirl import backward_whirls
+from ..model.functions import crank_of, cycle_of, turn_of
 from ..model.surfaces import cautions, law_facts, remarks, surfaces
 from ..model.validation.plausibility import clearances_at_rest, suspect_surfaces
 from ..solvers.status import Status
@@ -95,6 +97,7 @@ def transient_cautions(result: RunData, verdict: str, of_laws: Iterable[str]) ->
         soft = soft_contact(record)
         yield f"{soft[0].upper()}{soft[1:]}" if soft else sentence.format(time=float(result.time[-1]))
     yield from rest_cautions(record)
+    yield from cycle_cautions(record)
     if choice.step > choice.stable:
         yield (
             f"The step of {choice.step:.4g} s is larger than the stable one, {choice.stable:.4g} s"
@@ -144,6 +147,22 @@ def rest_cautions(record: Record) -> Iterator[str]:
         cause = "the model has no gravity and no load"
         remedy = 'give it gravity = [0, "-9.81 m/s^2"], a load, a driver or a velocity'
     yield f"Nothing moves in this run: {cause}. If something should move, {remedy}."
+
+
+def cycle_cautions(record: Record) -> Iterator[str]:
+    """Yield a sentence on bodies that turn slower than the driver whose turns are those of the run."""
+    mechanism = record.assembly.mechanism
+    if turn_of(mechanism) is None:
+        return
+    turns = cycle_of(mechanism)
+    cycle, slow = math.lcm(*turns.values()), [body for body, count in turns.items() if count > 1]
+    if slow:
+        yield (
+            f"A turn is one of {crank_of(mechanism)}, the fastest driver: {and_words(slow)} repeat"
+            f"{'s' * (len(slow) == 1)} after {cycle} of them. Mean powers and ends of strokes are those of"
+            f" the machine in {2 * cycle} turns or more, largest values in the highest of the single turns;"
+            " rms torque and energy fluctuation are those of single turns, not of the machine."
+        )
 
 
 def static_cautions(result: RunData) -> Iterator[str]:

@@ -15,6 +15,7 @@ from ..measures.motion import slider_motion
 from ..measures.output_intervals import missed_end
 from ..measures.turn_peaks import windows
 from ..measures.values import NOT_ESTIMATED
+from ..model.functions import cycle_of
 from ..numerics.outward import UP, exponent
 from .amounts import fixed_point, prefixed
 from .digits import Json, is_estimated, uncertainty
@@ -35,11 +36,15 @@ def dead_centres(result: RunData, measures: Json, ideal: Json) -> list[dict[str,
     Each has ``joint``, ``body``, ``name`` ("bottom dead centre"), the ``measure`` with its ``position`` (m),
     that of the ``ideal`` mechanism (None without one), ``short`` (m, less than 0 beyond the ideal end), and
     ``missed`` (m), by how much the outputs may miss the end.
+
+    Where bodies turn slower than the fastest driver, a turn has no dead centres: the ends are those of all
+    turns that count.
     """
     record = result.record
     mechanism, turn, time = record.assembly.mechanism, record.assembly.choice.turn, float(result.time[-1])
     parts = list(windows(record, result.motion))
-    turns = turn is not None and time >= turn * (1.0 - 1e-9)
+    is_slower = any(count > 1 for count in cycle_of(mechanism).values())
+    turns = turn is not None and time >= turn * (1.0 - 1e-9) and not is_slower
     entries = []
     for joint in mechanism.joints:
         slider = guide_of(mechanism, joint)
@@ -52,6 +57,9 @@ def dead_centres(result: RunData, measures: Json, ideal: Json) -> list[dict[str,
         ):
             measure = f"{joint}.position.{end}"
             position, reference = measures[measure], ideal.get(measure)
+            if is_slower:
+                turn_values = result.measures[measure]
+                position, reference = turn_values.lowest if end == "low" else turn_values.highest, None
             entries.append(
                 {
                     "joint": joint, "body": body, "name": name, "measure": measure,

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -235,10 +235,26 @@ class PointRows:
         values, sizes = [peaks], [np.maximum(largest, self.comparison.smallest_scale(largest))]
         for kind, ends, wide in zip(STATE, states, ranges, strict=False):
             if kind == ("particle_theta",):  # a body that rotates has the same angle in the next turn
-                ends = ends - 2.0 * math.pi * np.round((ends - ends[0]) / (2.0 * math.pi))
+                ends = within_gap(ends)
             values.append(ends)
-            sizes.append(np.maximum(wide, LEAST_RANGE * wide.max(initial=0.0)))
+            # Of speeds that are all constant the range is rounding.
+            rounding = OVER_NOISE * NOISE * np.abs(ends).max(initial=0.0)
+            sizes.append(np.maximum(wide, max(LEAST_RANGE * wide.max(initial=0.0), rounding)))
         return Points(np.concatenate(values, axis=1), np.concatenate(sizes))
+
+
+def within_gap(angles: Array) -> Array:
+    """Return angles (rad), shape (turns, bodies), less whole turns: those of a body lie within 2 pi, cut
+    where the gap between them is widest, so that equal ones stay equal but for rounding.
+    """
+    turn = 2.0 * math.pi
+    if not angles.size:
+        return angles
+    places = np.sort(angles - turn * np.floor(angles / turn), axis=0)
+    gaps = np.diff(places, axis=0, append=places[:1] + turn)
+    widest = gaps.argmax(axis=0)[None]
+    cut = np.take_along_axis(places + 0.5 * gaps, widest, axis=0)
+    return np.asarray(angles - turn * np.floor((angles - cut) / turn))
 
 
 def differences(points: Points, shift: int) -> Array:
@@ -436,16 +452,21 @@ class Settling:
 
 
 def repeated_since(
-    turns: Sequence[Array], comparison: Comparison, tolerance: float, streak: int = 1
+    turns: Sequence[Array],
+    comparison: Comparison,
+    tolerance: float,
+    streak: int = 1,
+    periods: Iterable[int] = range(1, LONGEST + 1),
 ) -> tuple[int, int] | None:
-    """Return the shortest period (turns) with which the turns of a run repeat, and the first turn, counted
-    from 1, from which each is within ``tolerance`` of the one a period before; None if they do not repeat.
+    """Return the first of some ``periods`` (turns) with which the turns of a run repeat, and the first turn,
+    counted from 1, from which each is within ``tolerance`` of the one a period before; None if they do not
+    repeat.
 
     A period of p turns needs p turns that repeat, ``streak`` times. ``turns`` have the shape (outputs,
     columns) each.
     """
     count = len(turns)
-    for period in range(1, min(LONGEST, count // (streak + 1)) + 1):
+    for period in (period for period in periods if period <= count // (streak + 1)):
         first = count
         while (
             first > period and comparison.distance(turns[first - 1 - period], turns[first - 1]) <= tolerance
