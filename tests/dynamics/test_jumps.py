@@ -234,6 +234,9 @@ def test_a_difference_begins_where_its_parameter_has_an_effect():
     assert np.isfinite(found.exponents).all()
     assert (found.exponents[..., 0] < 0.0).all() and (found.exponents[..., 0] > -2.0).all()
     assert {kind for way in found.kinds for kind in way} == {"period 2"}
+    text = " ".join(str(found).split())
+    assert "Errors of points and of values at which the motion changes (values are 1 deg apart)" in text
+    assert "with the errors collected so far; companions repeat a value from that state" in text
 
 
 def test_a_difference_that_vanished_has_no_number():
