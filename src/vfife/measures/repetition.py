@@ -314,8 +314,8 @@ def _classify(
         return Turns(count, "periodic", period, since, distance, tolerance, count - latest + 1, count)
     # Of a motion that is not periodic the second half of the turns counts, without the transient before it.
     distances = nearest(turns, comparison)
-    many: Motion = "not periodic" if count >= DECIDING_TURNS else "not decided"
-    motion: Motion = many if count >= MANY_TURNS else "unsettled"
+    kind: Motion = "not periodic" if count >= DECIDING_TURNS else "not decided"
+    motion: Motion = kind if count >= MANY_TURNS else "unsettled"
     if settles(distances) or settles_late(distances):
         motion = "settling"
     first = count - min(count // 2, MOST_TURNS) + 1 if motion in UNREPEATED else count
