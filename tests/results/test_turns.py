@@ -24,7 +24,7 @@ from vfife.measures.values import Measured
 from vfife.report.amounts import amount, decimals, percent, prefixed
 from vfife.report.digits import measure_text, plain_number
 from vfife.report.summary import show
-from vfife.report.trust import scatter_over_turns, verdict
+from vfife.report.trust import scatter_over_turns, turn_lines, verdict
 from vfife.simulation.result import Result
 
 OUTPUTS = 200
@@ -124,13 +124,13 @@ def test_an_ideal_mechanism_repeats_from_its_second_turn_on() -> None:
     assert said.distance < 1e-6
 
 
-def test_a_motion_that_is_not_periodic_is_told_by_means_over_turns_and_companions() -> None:
+def test_turns_that_do_not_repeat_have_means_over_turns_and_companions() -> None:
     result = astray()
     said, left = result.motion, result.record.companions
     assert (
         said is not None
         and left is not None
-        and said.motion == "not periodic"
+        and said.motion == "not decided"
         and (said.first, said.last) == (7, 12)
     )
     own = np.sqrt(peaks(result, "contact_force_squared_max", 0))[6:]
@@ -147,9 +147,10 @@ def test_a_motion_that_is_not_periodic_is_told_by_means_over_turns_and_companion
     assert (one.lowest, one.highest) == pytest.approx((every.min(), every.max()), rel=1e-13)
     assert one.variation > 2.0 * (most - least)  # single turns do not hold, means do
     told = result.summary
-    assert told["turns"]["motion"] == "not periodic" and verdict(told).startswith(
-        "This motion is not periodic: single turns of "
+    assert told["turns"]["motion"] == "not decided" and verdict(told).startswith(
+        "The 12 turns do not repeat; whether they will is not decided: single turns of "
     )
+    assert any("is not decided before 40 turns" in line for line in turn_lines(told))
     assert told["warnings"][0] == verdict(told)
 
 

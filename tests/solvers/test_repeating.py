@@ -13,7 +13,7 @@ import pytest
 from support import four_bar
 from vfife.assembly.assemble import assemble
 from vfife.measures.chaos import period, verdict
-from vfife.measures.repetition import FEWEST_TURNS, MANY_TURNS, PEAK_STREAK, Turns, classify
+from vfife.measures.repetition import DECIDING_TURNS, FEWEST_TURNS, MANY_TURNS, PEAK_STREAK, Turns, classify
 from vfife.solvers.companions import TurnRows
 from vfife.solvers.record import recorded_rows
 from vfife.solvers.repeating import (
@@ -123,7 +123,9 @@ def test_a_run_of_few_turns_is_told_by_its_last_period() -> None:
     assert (longer.since, longer.first, longer.last) == (3, 3, FEWEST_TURNS + 3)
     assert (
         say(logistic(3.9, MANY_TURNS - 1)).motion == "unsettled"
-        and say(logistic(3.9, MANY_TURNS)).motion == "not periodic"
+        and say(logistic(3.9, MANY_TURNS)).motion == "not decided"
+        and say(logistic(3.9, DECIDING_TURNS - 1)).motion == "not decided"
+        and say(logistic(3.9, DECIDING_TURNS)).motion == "not periodic"
     )
     assert math.isnan(say(x[:1]).distance)
 
@@ -349,7 +351,7 @@ def test_largest_values_alone_must_repeat_three_times() -> None:
     assert say(values).period == 2
     turns = sequence(values)
     once = classify(turns, Plain(), 1e-3, None, PEAK_STREAK)  # type: ignore[arg-type]
-    assert once.motion == "not periodic"
+    assert once.motion == "not decided"
     again = [*turns, *turns[-2:], *turns[-2:]]
     assert classify(again, Plain(), 1e-3, None, PEAK_STREAK).period == 2  # type: ignore[arg-type]
 
@@ -398,19 +400,19 @@ def test_a_period_of_several_turns_needs_turns_that_differ(count: int, step: flo
 
 def test_points_that_approach_each_other_are_settling_wherever_the_outputs_are() -> None:
     """A geometric decay of e^-0.5 a turn, as of a pendulum that meets a stop at another output in each turn;
-    the same turns with chaotic largest values are not periodic.
+    the same turns with chaotic largest values are not decided.
     """
     for peaks, motion in (
         (1.0 + 2.0 * math.exp(-0.5) ** np.arange(13.0), "settling"),
         (1.0 + 0.3 * (-1.0) ** np.arange(13) + 2.0 * 0.5 ** np.arange(13.0), "settling"),
-        (1.0 + logistic(3.9, 13), "not periodic"),
+        (1.0 + logistic(3.9, 13), "not decided"),
     ):
 
         def points_of(first: int, last: int, peaks: np.ndarray = peaks) -> Points:
             return Points(peaks[first - 1 : last, None], np.ones(1))
 
         turns = struck(peaks, places(13, 0))
-        assert classify(turns, Plain(), 1e-3).motion == "not periodic"  # type: ignore[arg-type]
+        assert classify(turns, Plain(), 1e-3).motion == "not decided"  # type: ignore[arg-type]
         assert classify(turns, Plain(), 1e-3, points_of).motion == motion  # type: ignore[arg-type]
 
 

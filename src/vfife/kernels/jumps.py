@@ -43,3 +43,19 @@ def stop_jump(S, g, x, inverse, central: Central):
     damping = S[g + SPRING.damping + 2]
     began = x != 0.0 and S[g + SPRING.regime] == 0.0
     return damping / ((1.0 + central.p * central.h * inverse * damping) * central.gain) if began else 0.0
+
+
+def stop_share(S, g, x, moment, rate, central: Central):
+    """Return the share of a step (1) by which a stop begins to push earlier, or ends later, than its steps
+    show, 0 in steps without begin or end.
+
+    The moment of a step acts from half a step before it to half a step after it, but begins when the limit is
+    passed, and ends when spring and damper would pull (``moment``, N m), after they pushed in the last step.
+    The motion hardly shows this share, because the moment is small there. The stiffness acts on a small
+    difference in full.
+    """
+    last = S[g + SPRING.resistance + 2]
+    began = x != 0.0 and S[g + SPRING.regime] == 0.0
+    ends = moment * x <= 0.0 and last * x > 0.0
+    since = abs(x) / larger(abs(rate) * central.gain, abs(x))
+    return since - 0.5 if began else last / (last - moment) - 0.5 if ends else 0.0

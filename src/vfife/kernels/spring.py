@@ -150,21 +150,21 @@ def twist(S, ends: Ends, stop, angle, central: Central):
     moment, elastic, rate = resist(S, ends, 2, row, x, central)
     pushes = moment * x > 0.0 if stop else True
     inverse = S[ends.j + PARTICLE.inverse_inertia] + S[ends.i + PARTICLE.inverse_inertia]
-    if stop:
-        moment = stop_with_jump(moment, S, g, x, inverse, central)
+    force = stop_with_jump(moment, S, g, x, rate, inverse, central) if stop else moment
     rate = rate if pushes else rate + central.p * central.h * inverse * moment
-    moment = moment if pushes else 0.0
-    add(S, ends, 2, row, moment)
-    S[g + SPRING.moment] = -moment
+    add(S, ends, 2, row, force)
+    S[g + SPRING.moment] = -force
     S[g + SPRING.energy] = 0.5 * S[g + SPRING.stiffness + 2] * x * x
-    return (moment - elastic) * rate
+    return (force - elastic) * rate
 
 
-def stop_with_jump(moment, S, g, x, inverse, central: Central):
-    """Return the moment (N m) of a stop unchanged; derivatives that follow a small difference add
-    :func:`~vfife.kernels.jumps.stop_jump` times the slope of ``x`` to its slope (compiler/trace/jumps.py).
+def stop_with_jump(moment, S, g, x, rate, inverse, central: Central):
+    """Return the moment (N m) of a stop: that of its spring and damper, zero where it would pull.
+
+    Derivatives that follow a small difference add :func:`~vfife.kernels.jumps.stop_jump` times the slope of
+    ``x`` and :func:`~vfife.kernels.jumps.stop_share` times that of ``moment`` (compiler/trace/jumps.py).
     """
-    return moment
+    return moment if moment * x > 0.0 else 0.0
 
 
 def engage(S, g, angle):

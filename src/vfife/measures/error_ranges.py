@@ -26,7 +26,7 @@ from .energy import unstable_companions
 from .event_ranges import event_errors, friction_losses, widened
 from .extrapolation import SCATTER, SCATTER_OF_TRIES, VANISHING, error_of_mean, widen
 from .output_intervals import cut_errors
-from .repetition import Turns, part_of, turns
+from .repetition import UNREPEATED, Turns, part_of, turns
 from .samples import Samples
 from .statics import EXACT
 from .turns import after_first, companion_turns_of, each_turn, last_turn, of_window, record_of_companion
@@ -271,7 +271,7 @@ def samples(
     lanes = [each_turn(record, motion.first, motion.last), *companion_turns]
     values = [[of_a_turn(turn, reference, groups) for turn in lane] for lane in lanes]
     counts = joined(over_run(record), [over_run(lane) for lane in companion_records(record)], ratios)
-    is_chaotic = motion.motion == "not periodic"
+    is_chaotic = motion.motion in UNREPEATED
     return over_turns(values, ratios, all_lanes=not motion.repeats, chaotic=is_chaotic) | counts
 
 

@@ -15,7 +15,7 @@ from ..solvers.status import Status
 from .catalogue import PEAKS
 from .energy import is_unstable, open_share, own_floor, unstable_companions
 from .error_ranges import largest, later_spread, over_tries, ranged, spreads
-from .repetition import turns
+from .repetition import UNREPEATED, turns
 from .statics import spreads as static_spreads
 from .values import Measured
 from .zero_limits import scales_of_run
@@ -144,7 +144,7 @@ def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
 def not_periodic(record: Record) -> bool:
     """Return whether measures are means over turns of a motion that is not periodic."""
     motion = turns(record)
-    return motion is not None and motion.motion == "not periodic"
+    return motion is not None and motion.motion in UNREPEATED
 
 
 def too_deep(record: Record) -> bool:

@@ -34,6 +34,7 @@ DIRECTIONS = {"up": "On the way up", "down": "On the way down"}
 MOST_ATTRACTORS = 12
 MOST_SPELLS = 8  # ranges of values of one direction that are listed
 PEAKS = 8
+UNESTIMATED = "Errors of points, of the 0-1 test and of onsets: not estimated."
 
 
 def document(result: Any) -> Document:
@@ -78,11 +79,27 @@ def diagram(result: Bifurcation) -> Document:
             " grows more than e-fold in each half of the turns, and by more than the error of so few."
             f" Exponents, {STEP_UNKNOWN}."
         ),
+        _step_errors(result),
         f"Companions: {result.step_report or 'none.'}",
     ]
     return Document(
         [*incomplete(result.progress), Table.numeric(("motion", *heads), rows), *paragraphs(texts)],
         f"{result.name}: {spec.path}",
+    )
+
+
+def _step_errors(result: Bifurcation) -> str:
+    """Return that errors of a diagram are not estimated, and what companions of a sweep leave out."""
+    spec, (factor, unit) = result.spec, result.shown
+    count = len(spec.values)
+    width = abs(factor * (spec.values[-1] - spec.values[0])) / max(count - 1, 1)
+    interval = f" (values are {quantity(width, unit)} apart)" if count > 1 else ""
+    text = f"Errors of points and of values at which the motion changes{interval}: not estimated."
+    if spec.starts:
+        return text
+    return (
+        f"{text} Each value continues the motion of the value before, with the errors collected so far;"
+        " companions repeat a value from that state, and show only the error of this value."
     )
 
 
@@ -178,6 +195,7 @@ def basins(result: Basins) -> Document:
         *_transients(result),
         f"{_protocol(result, f'{spec.turns} turns of each start')}{impossible}",
         f"A motion is periodic if points repeat within 0.1 % of the range; {criterion}.",
+        "Shares count starts of the grid. Errors of points and of shares of the area: not estimated.",
         f"Companions: {result.step_report or ('not computed yet.' if result.progress else 'none.')}",
     ]
     share = f"share of these {total:,}" if result.progress else "share"
@@ -264,8 +282,8 @@ def section(result: PoincareSection) -> Document:
 def _range_of_exponent(result: PoincareSection) -> str:
     """Return where the range of a section's exponent comes from."""
     if result.exponent is None or not result.exponent.estimated:
-        return "Without companions."
-    return "The exponent's range includes a second motion with half the step."
+        return f"Without companions. {UNESTIMATED}"
+    return f"The exponent's range includes a second motion with half the step. {UNESTIMATED}"
 
 
 def waterfall(result: Waterfall) -> Document:
@@ -282,8 +300,8 @@ def waterfall(result: Waterfall) -> Document:
         ),
         f"{counted(result.done, 'run')}. {result.words}.",
         (
-            f"{result.limits[:1].upper()}{result.limits[1:]}; without companions; each run begins at the"
-            " model's own start."
+            f"{result.limits[:1].upper()}{result.limits[1:]}; without companions, so errors of amplitudes are"
+            " not estimated; each run begins at the model's own start."
         ),
     ]
     if result.diverged:

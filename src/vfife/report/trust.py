@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from ..measures.error_ranges import BLOW_UP, tries_blew_up
+from ..measures.repetition import DECIDING_TURNS, UNREPEATED
 from ..measures.trust import HALVINGS, UNSTABLE_TRY, trust
 from ..measures.values import NOT_ESTIMATED
 from ..solvers.companions import SENSITIVE
@@ -60,11 +61,11 @@ def trust_summary(result: RunData) -> dict[str, Any]:
 def turns_summary(result: RunData) -> dict[str, Any]:
     """Return the entry ``turns`` of a summary; empty where turns cannot be compared.
 
-    ``count``, ``motion`` ("periodic", "settling", "unsettled", "not periodic"), ``period`` and ``since``
-    (turns), ``distance`` and ``tolerance`` (1), ``first`` and ``last`` of the turns that measures are means
-    over; ``scatters`` where turns of a periodic motion scatter with the step, and ``peaks_only`` where they
-    were compared by their largest values alone; ``decay`` (1) where a settling motion
-    alternates: see :class:`~vfife.measures.repetition.Turns`.
+    ``count``, ``motion`` ("periodic", "settling", "unsettled", "not decided", "not periodic"),
+    ``period`` and ``since`` (turns), ``distance`` and ``tolerance`` (1), ``first`` and ``last`` of the turns
+    that measures are means over; ``scatters`` where turns of a periodic motion scatter with the step, and
+    ``peaks_only`` where they were compared by their largest values alone; ``decay`` (1) where a settling
+    motion alternates: see :class:`~vfife.measures.repetition.Turns`.
     """
     motion = result.motion
     if motion is None:
@@ -197,15 +198,18 @@ def scatter_over_turns(summary: Json) -> str:
     with the largest error.
     """
     turns = summary["turns"]
-    if not turns or turns["motion"] != "not periodic":
+    if not turns or turns["motion"] not in UNREPEATED:
         return ""
     name = _most_scattered(summary) or summary["trust"].get("measure")
     if not name or name not in summary["ranges"]:
         return ""
     bounds = summary["ranges"][name]
     share = deviations(bounds["lowest"], bounds["highest"], summary["measures"][name])
+    lead = "This motion is not periodic"
+    if turns["motion"] == "not decided":
+        lead = f"The {turns['count']} turns do not repeat; whether they will is not decided"
     return (
-        f"This motion is not periodic: single turns of {name} lie {share} from their mean. All"
+        f"{lead}: single turns of {name} lie {share} from their mean. All"
         f" values are means over turns {turns['first']} to {turns['last']}; values of single turns do not"
         " repeat."
     )
@@ -403,6 +407,10 @@ def turn_lines(summary: Json) -> Iterator[str]:
         "unsettled": (
             f"{count} turns do not repeat: the last is {distance} from the nearest before it; more turns show"
             " whether they will"
+        ),
+        "not decided": (
+            f"{count} turns do not repeat: the last is {distance} from the nearest; whether the"
+            f" motion still settles is not decided before {DECIDING_TURNS} turns; quote means over turns"
         ),
         "not periodic": (
             f"not periodic: {count} turns do not repeat, the last is {distance} from the nearest; quote"

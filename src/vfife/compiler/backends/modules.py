@@ -126,14 +126,15 @@ def derived(topology: Topology, directions: int, jumps: bool = False) -> Steps:
     steps, layout = steps_of(topology), Layout(topology)
     if not directions:
         return steps
-    size = of_size(layout.row("step"))
+    size, fast = of_size(layout.row("step")), steps.fast
     if jumps:
+        fast = trace(topology, jumps=True)
         velocities = [row for axis in "uvw" for row in layout.rows_of(f"particle_{axis}")]
         full = tangent_with_jumps(trace(topology, full=True, jumps=True), layout.rows, directions, velocities)
     else:
         full = tangent(steps.full, layout.rows, directions)
     return steps._replace(
-        fast=shared_tangent(steps.fast, layout.rows, directions),
+        fast=shared_tangent(fast, layout.rows, directions),
         full=full,
         resize=tangent(steps.resize, layout.rows, directions, size),
     )

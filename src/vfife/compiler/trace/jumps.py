@@ -19,14 +19,16 @@ from __future__ import annotations
 
 from typing import Any
 
-from ...kernels import jumps
+from ...kernels import jumps, spring
 from ...kernels.arrays import CONTACT, CONTACT_INDEX
 from .tape import JUMP, Symbol, Tape
 from .traceable import Traceable
 
 
-def give_jumps(traceable: Traceable, tape: Tape) -> None:
-    """Let forces that jump record their jumps."""
+def give_jumps(traceable: Traceable, tape: Tape, full: bool) -> None:
+    """Let forces that jump record their jumps, in a ``full`` step; a fast step is not taken where a stop ends
+    to push.
+    """
 
     def with_slope(force: Any, weight: Any, place: Any) -> Any:
         moves = isinstance(weight, Symbol) or weight != 0.0
@@ -37,7 +39,15 @@ def give_jumps(traceable: Traceable, tape: Tape) -> None:
         weight = traceable(jumps.contact_jump)(S, I, r, depth, last_slowness, stretch, central)
         return with_slope(elastic, weight, depth)
 
-    def of_stop(moment: Any, S: Any, g: int, x: Any, inverse: Any, central: Any) -> Any:
-        return with_slope(moment, traceable(jumps.stop_jump)(S, g, x, inverse, central), x)
+    def of_stop(moment: Any, S: Any, g: int, x: Any, rate: Any, inverse: Any, central: Any) -> Any:
+        force = traceable(spring.stop_with_jump)(moment, S, g, x, rate, inverse, central)
+        share = traceable(jumps.stop_share)(S, g, x, moment, rate, central)
+        if not full:
+            tape.rare.append(share != 0.0)
+            return force
+        force = with_slope(force, traceable(jumps.stop_jump)(S, g, x, inverse, central), x)
+        return with_slope(force, share, moment)
 
-    traceable.given |= {"contact_with_jump": of_contact, "stop_with_jump": of_stop}
+    traceable.given |= {"stop_with_jump": of_stop}
+    if full:
+        traceable.given |= {"contact_with_jump": of_contact}

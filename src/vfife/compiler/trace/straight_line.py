@@ -124,7 +124,7 @@ def trace(
     with WRITING:
         give_laws(traceable, topology)
         if jumps:
-            give_jumps(traceable, tape)
+            give_jumps(traceable, tape, full)
         step = traceable(loop.step)
     n = Symbol(tape, STEP_NUMBER)
     # The topology enters as plain integers, not as symbols: loops over records unroll, and branches on the
