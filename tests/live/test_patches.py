@@ -237,3 +237,12 @@ def test_sliders_that_meet_at_an_end_or_between_the_ends_are_grouped(meeting, gr
     formula = Formula(gallery.four_bar_ideal(), None, meeting=meeting)
     for positions in itertools.product(range(5), range(5)):
         assert found.vector(positions).tolist() == formula.model(positions).vector.tolist()
+
+
+@pytest.mark.parametrize("journals, falls", [("centred", True), ("seated", False)])
+def test_a_page_says_that_journals_fall_at_its_start(journals, falls):
+    mechanism = gallery.four_bar_case_b()
+    mechanism.start = StartSettings(journals=journals)
+    notes = " ".join(slider_patches(mechanism, []).json()["notes"])
+    assert ("of the first turn may be those of the start, where the journals of C fall" in notes) == falls
+    assert ('start.journals = "seated"' in notes) == falls

@@ -21,8 +21,16 @@ from vfife.plots.study import bar_words
 from vfife.report.amounts import quantity
 from vfife.report.case_errors import error_words
 from vfife.report.pages import study_page
-from vfife.results.case_errors import ErrorEstimate, RepeatedCase, error_over_change, sample_of, sample_size
+from vfife.results.case_errors import (
+    ErrorEstimate,
+    RepeatedCase,
+    SampleErrors,
+    error_over_change,
+    sample_of,
+    sample_size,
+)
 from vfife.results.study import Study
+from vfife.store.studyfile import REPEATS
 from vfife.studies.engine.outcome import Outcome
 from vfife.studies.engine.study_engine import STEP, Engine, description_of, open_study
 from vfife.studies.methods.tolerance import failing_share, spreads
@@ -155,10 +163,11 @@ def test_the_error_of_a_method_of_known_order_is_found(contacts, tmp_path) -> No
         1.0 if contacts else 1.5**2 - 1.0
     )  # the error, and the change, which is larger than the error by the order 2
     truth = np.sort([over * slope(case["joint.C.clearance"]) for case in engine.repeated])
-    assert [one.typical, one.rms, one.most] == pytest.approx(
-        [np.median(truth), np.sqrt(np.mean(truth**2)), truth[-1]], rel=1e-6
-    )
-    assert found.errors["C.impacts"].most == 0.0
+    assert [one.typical, one.rms] == pytest.approx([np.median(truth), np.sqrt(np.mean(truth**2))], rel=1e-6)
+    # With Roache's factor of safety, and not below what other cases of the sample have.
+    least, most = (1.25, 2.0) if contacts else (1.0, 1.0)
+    assert least * truth[-1] <= one.most * (1.0 + 1e-6) and one.most <= most * truth[-1] * (1.0 + 1e-6)
+    assert found.errors["C.impacts"].most == (1.0 if contacts else 0.0)
     assert found.repeats[sample_of(found.cases, found.outcomes)[0].number]["step"] == pytest.approx(
         1.5 * SIZE
     )
@@ -197,7 +206,7 @@ def test_a_case_that_fails_with_a_coarser_step_is_repeated_with_a_finer_one(tmp_
         one.count == 20
         and one.step_ratio == pytest.approx(0.75)
         and one.most
-        == pytest.approx(max(slope(each["joint.C.clearance"]) for each in engine.repeated), rel=1e-6)
+        >= 1.25 * (1.0 - 1e-6) * max(slope(each["joint.C.clearance"]) for each in engine.repeated)
     )
     none = made(tmp_path / "b.study", 20, Linear(coarsest=1.1 * SIZE, finest=0.9 * SIZE))
     assert none.errors == {} and len(none.repeats) == 20
@@ -364,9 +373,9 @@ def test_a_sensitive_sample_is_repeated_with_further_steps(tmp_path) -> None:
     shown = " ".join(invoke("study", "show", str(tmp_path / "a.study")).split())
     assert "3 of 3 sampled cases depend on the step" in shown and "6 steps; 3 sensitive" in shown
     number, names = next(iter(found.sensitive_measures.items()))
-    assert len(found.sensitive_measures) == 3 and f"(such as case {number} in {names[0]})" in shown
+    assert len(found.sensitive_measures) == 3 and f"(cases 0, 1, 2; case {number} in {names[0]})" in shown
     told = json.loads(invoke("study", "show", str(tmp_path / "a.study"), "--json"))
-    assert told["sensitive"] == {"cases": 3, "sample": 3}
+    assert told["sensitive"] == {"cases": 3, "sample": 3, "numbers": [0, 1, 2]}
     assert told["errors"]["C.force.max"]["sensitive"] == 3
     assert found.data["C.force.max"].attrs["sensitive_cases"] == 3
     assert "3 of 3 sampled cases are sensitive to the step" in bar_words(found)
@@ -431,9 +440,24 @@ def test_a_sensitive_case_has_the_least_error_of_all_others() -> None:
     outcomes = [{"step": step, "measures": {**values, "F.torque.max": torque}} for step, torque in steps]
     case = RepeatedCase(0, outcomes[0], tuple(outcomes[1:]), {**values, "F.torque.max": 8.0})
     assert case.sensitive
-    bounds = {name: error.bound for name in outcomes[0]["measures"] if (error := case.error(name, 1, False))}
+    bounds = {name: error.bound for name in outcomes[0]["measures"] if (error := case.error(name, 1))}
     assert bounds["F.force.max"] == pytest.approx(0.58) and bounds["F.impacts"] == 1.0
     assert bounds["F.torque.max"] > 3.0 * 4.0
+
+
+def test_two_values_that_agree_by_chance_have_the_error_of_the_sample() -> None:
+    """The change of one case is no error of it where other cases change a hundred times as much."""
+    sample = []
+    for number, change in enumerate((1e-6, 4.0, 5.0, 3.0)):
+        ends = [
+            {"step": step, "measures": {"F.force.max": force}}
+            for step, force in ((1.0, 1e3), (1.5, 1e3 + change))
+        ]
+        sample.append(RepeatedCase(number, ends[0], (ends[1],), {"F.force.max": 1e3}))
+    alone, *_ = SampleErrors(sample[:1], ["F.force.max"], {REPEATS: {"order": 1}}).bounds("F.force.max", [0])
+    bounds = SampleErrors(sample, ["F.force.max"], {REPEATS: {"order": 1}}).bounds("F.force.max", range(4))
+    assert alone == pytest.approx(0.1, rel=1e-3), "no less than a ten-thousandth, as of a run"
+    assert 5.0 < bounds[0] < bounds[2] == pytest.approx(1.25 * 2.0 * 5.0)
 
 
 def test_a_coarse_step_is_not_called_sensitive(tmp_path) -> None:

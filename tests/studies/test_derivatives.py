@@ -18,6 +18,9 @@ from vfife.measures.catalogue import over_turn
 from vfife.measures.turns import last_turn
 from vfife.modelfile import dump, loads
 from vfife.modelfile.parameter import Parameter, holds, numbers
+from vfife.report.sensitivity import sensitivity as sensitivity_document
+from vfife.report.terminal import as_text
+from vfife.results.derivatives import Derivative, Sensitivity
 from vfife.solvers.tangents import changes, displaced, tangents
 from vfife.solvers.transient import run
 from vfife.studies.methods.derivatives import floors, rounding, sensitivity, silent_moments
@@ -408,3 +411,21 @@ def test_neighbours_are_what_their_texts_give(name):
             alone.choice.outputs_every,
         )
         assert one.choice.step == alone.choice.step
+
+
+def test_numbers_of_unknown_influence_stand_last_by_the_end_of_their_range() -> None:
+    """The value of one whose sign is not known means nothing, however large it is."""
+    shares = {
+        "alpha": (3.0, 2.0, 4.0),
+        "bravo": (90.0, -1.0, 95.0),
+        "charlie": (0.1, -200.0, 1.0),
+        "delta": (-5.0, -6.0, -4.0),
+    }
+    derivatives = [
+        Derivative(path, 1.0, {"F": value}, {"F": (low, high)}) for path, (value, low, high) in shares.items()
+    ]
+    result = Sensitivity("machine", {"F": 100.0}, derivatives)
+    assert [effect.path for effect in result.effects("F")] == ["delta", "alpha", "charlie", "bravo"]
+    text = " ".join(as_text(sensitivity_document(result, top=1)).split())
+    assert "delta" in text and "charlie" in text and "alpha" not in text and "bravo" not in text
+    assert "These rows stand last" in text

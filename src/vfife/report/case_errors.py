@@ -13,6 +13,7 @@ from ..results.case_errors import NOT_ESTIMATED, turn_changes, uncertain_ranges
 from ..solvers.companions import SENSITIVE
 from ..store.studyfile import REPEATS
 from .amounts import Digits, quantity
+from .case_cautions import case_numbers, caution_sentences
 from .document import Caution, Paragraph, Part, Table
 
 if TYPE_CHECKING:
@@ -74,13 +75,13 @@ def sensitivity_words(study: Study) -> str:
     if not sensitive:
         return ""
     number, names = next(iter(study.sensitive_measures.items()))
-    example = f"case {number} in {names[0]}"
+    listed = case_numbers(sorted(study.sensitive_measures))
     remedy = "means over more turns (last = N) scatter less"
     if study.request["wanted"].get("duration"):
         remedy = "a shorter duration, or a smaller step, may make them agree"
     return (
         f"Not periodic, or sensitive: {sensitive} of {count} sampled cases depend on the step by more than"
-        f" {100.0 * SENSITIVE:g} % ({'' if sensitive == 1 else 'such as '}{example}). Their motion need not"
+        f" {100.0 * SENSITIVE:g} % ({listed}; case {number} in {names[0]}). Their motion need not"
         " repeat, and their values scatter: quote each with the largest numerical error, never alone;"
         f" {remedy}."
     )
@@ -172,8 +173,8 @@ def turn_cautions(study: Study) -> list[str]:
     return [
         f"Turns differ: in {len(changes):,} of {len(study.done):,} cases a measure differs between"
         f" the last turns by more than {100.0 * SENSITIVE:g} %{difference_words(study, changes)}. Values are"
-        ' of the last turn alone: settle = "1 %" goes on until turns repeat and measures whole periods,'
-        " last = N takes means."
+        ' of the last turn alone, where vfife run takes means over turns: settle = "1 %" goes on until turns'
+        " repeat and measures whole periods, last = N takes means."
     ]
 
 
@@ -206,10 +207,10 @@ def settling_cautions(study: Study) -> list[str]:
     return texts
 
 
-def sensitivity_data(study: Study) -> dict[str, int]:
-    """Return how many of the sampled cases are sensitive, as data."""
+def sensitivity_data(study: Study) -> dict[str, Any]:
+    """Return how many of the sampled cases are sensitive, and their numbers, as data."""
     sensitive, count = study.sensitive
-    return {"cases": sensitive, "sample": count}
+    return {"cases": sensitive, "sample": count, "numbers": sorted(study.sensitive_measures)}
 
 
 def errors_data(study: Study) -> dict[str, Any] | None:
@@ -227,23 +228,36 @@ def missing_error(study: Study) -> str:
 
 
 def error_table(study: Study) -> Part:
-    """Return a table of the numerical error of a case: typical, largest, and how it was estimated."""
+    """Return a table of the numerical error of a case: typical, largest, how far its last turns differ where
+    they were compared, and how it was estimated.
+    """
     if not study.errors:
         return Paragraph(f"{error_words(None, '').removesuffix('.')}, because {missing_error(study)}.")
-    rows = []
+    rows, turns = list[tuple[str, ...]](), turn_widths(study)
     for name, unit in study.measures.items():
         if (error := study.errors.get(name)) is None:
-            rows.append((name, NOT_ESTIMATED, "", ""))
+            cells = [NOT_ESTIMATED, "", ""]
         else:
-            rows.append((name, typical_words(error, unit), quantity(error.most, unit, UP), error.words))
-    heads = ("numerical error of a case", "typically", "at most", "estimated from")
-    return Table(heads, rows, numbers=(1, 2), names=(0,))
+            cells = [typical_words(error, unit), quantity(error.most, unit, UP), error.words]
+        rows.append((name, *cells, *([turns.get(name, "")] if turns else [])))
+    heads = ["numerical error of a case", "typically", "at most", "estimated from"]
+    return Table([*heads, *["last turns differ by"] * bool(turns)], rows, numbers=(1, 2, 4), names=(0,))
+
+
+def turn_widths(study: Study) -> dict[str, str]:
+    """Return by how much each measure differs at most between the last turns of a case, in words; empty where
+    no turns were compared.
+    """
+    ranges = [outcome["ranges"] for outcome in study.outcomes.values()]
+    names = [name for name in study.measures if any(name in widths for widths in ranges)]
+    largest = {name: max(widths.get(name, 0.0) for widths in ranges) for name in names}
+    return {name: f"up to {quantity(largest[name], study.measures[name], UP)}" for name in names}
 
 
 def study_cautions(study: Study) -> list[Part]:
     """Return the cautions of a study: one whose measures are of an older definition, those of turns that
-    differ, and one whose sample is sensitive to the step.
+    differ, one whose sample is sensitive to the step, and those that its cases have as runs.
     """
     former = FORMER_MEASURES if study.has_former_measures else ""
-    texts = [former, *turn_cautions(study), sensitivity_words(study)]
+    texts = [former, *turn_cautions(study), sensitivity_words(study), *caution_sentences(study)]
     return [Caution(text, "warning") for text in texts if text]

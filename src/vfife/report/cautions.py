@@ -386,13 +386,19 @@ def out_of_range(result: RunData) -> Iterator[str]:
     """Yield sentences on laws that were used outside their ranges, and one on loads beyond any joint."""
     extremes = contact_extremes(result.record)
     yield from cautions(result.record.assembly.mechanism, extremes)
-    excesses = [*_deep_penetrations(result, extremes), *_high_pressures(result.record)]
-    if excesses:
+    if texts := excesses(result, extremes):
         yield (
             "Beyond what joints are built for, in the whole run (tables show its last turns):"
-            f" {'; '.join(excesses)}. The forces are still those of the laws; check loads, sizes, materials"
+            f" {'; '.join(texts)}. The forces are still those of the laws; check loads, sizes, materials"
             " and stiffness."
         )
+
+
+def excesses(result: RunData, extremes: dict[str, tuple[float, float]]) -> list[str]:
+    """Return penetrations and line pressures that no joint is built for; ``extremes``: of
+    :func:`contact_extremes`.
+    """
+    return [*_deep_penetrations(result, extremes), *_high_pressures(result.record)]
 
 
 def usual_remarks(result: RunData) -> list[str]:

@@ -43,13 +43,15 @@ NOTES = {
     "change": "* change for 1 %: the derivative does not describe it.",
     "unknown": (
         "? sign or order of magnitude not known: changes of 1 % differ with their direction or with the size"
-        " of the step."
+        " of the step. These rows stand last, by the largest end of their range; any of them may matter most."
     ),
 }
 
 
 def sensitivity(result: Sensitivity, top: int = 8) -> Document:
-    """Return a document of the ``top`` most influential parameters for each measure."""
+    """Return a document of the ``top`` most influential parameters for each measure, and of as many whose
+    influence is unknown.
+    """
     rows: list[tuple[str, ...]] = []
     kinds: set[str] = set()
     for name, value in result.measures.items():
@@ -58,7 +60,9 @@ def sensitivity(result: Sensitivity, top: int = 8) -> Document:
             continue
         effects = [
             effect for effect in result.effects(name) if max(abs(effect.low), abs(effect.high)) > SMALLEST
-        ][:top]
+        ]
+        unknown = [effect for effect in effects if effect.kind == "unknown"]
+        effects = effects[: len(effects) - len(unknown)][:top] + unknown[:top]
         kinds |= {effect.kind for effect in effects}
         rows += [
             ((name, f"{value:.5g}") if k == 0 else ("", "")) + (effect.path, *effect_cells(effect))

@@ -17,6 +17,7 @@ from ..numerics.outward import DOWN, NEAREST, UP, significant
 from ..results.case_errors import NOT_ESTIMATED
 from ..store.lock import holder
 from .amounts import Digits, limit_digits, limit_quantity, prefixed, quantities, quantity, quantity_of_digits
+from .case_cautions import cases_with_cautions, examined_cases
 from .case_errors import (
     digits_of,
     error_share,
@@ -213,16 +214,21 @@ def document(study: Study, cases: bool = False, members: bool = False) -> Docume
 
 
 def missing_cautions(study: Study) -> list[Part]:
-    """Return a line on the cautions that only runs have, with the case to run: that of the largest force, or
-    of the largest value of the first measure. Empty without contact and without values.
+    """Return a line on the run that has the cautions of a case in full: that of the largest force, or of the
+    largest value of the first measure; it names the cautions that no case was examined for. Empty without
+    contact and without values.
     """
     measures = extremes(study)
     name = next((name for name in measures if name.endswith(FORCE)), next(iter(measures), ""))
     largest = measures[name]["largest_at"] if name else None
     if largest is None or not has_contact(study):
         return []
-    text = f"vfife run with {values_words(study, largest)} has them for the largest {name}."
-    return [Paragraph(text, lead="Cases have no cautions about contact laws, pressures and whirl: ")]
+    count = len(examined_cases(study))
+    lead = "Cases have no cautions about contact laws, pressures and whirl: "
+    if count:
+        lead = f"Cautions are those of {count:,} of {len(study.done):,} cases, each at another step: "
+    text = f"vfife run with {values_words(study, largest)} has all of them for the largest {name}."
+    return [Paragraph(text, lead=lead)]
 
 
 def has_contact(study: Study) -> bool:
@@ -329,6 +335,8 @@ def _data(study: Study) -> dict[str, Any]:
         **turn_data(study),
         "errors": errors_data(study),
         "sensitive": sensitivity_data(study),
+        "examined": len(examined_cases(study)),
+        "cautions": cases_with_cautions(study),
         "failed": [
             {"case": case.number, "at": dict(case.numbers), "reason": reason} for case, reason in study.failed
         ],
@@ -452,6 +460,7 @@ def indices(study: Study, file: str, results: Sequence[Any]) -> Document:
                     f"{result.left_out:,} groups of the design were omitted: one of their cases has no value"
                 )
             )
+    parts += [Paragraph(sentence, lines="whole") for sentence in remarks_on_start(study)]
     parts += study_cautions(study)
     raw = study.request["raw"]
     if raw.get("method") == "saltelli" and raw.get("count", LEAST_GROUPS) < LEAST_GROUPS:
@@ -466,6 +475,7 @@ def indices(study: Study, file: str, results: Sequence[Any]) -> Document:
             "measures": measures,
             "errors": errors_data(study),
             "sensitive": sensitivity_data(study),
+            "remarks": remarks_on_start(study),
         },
     )
 

@@ -20,23 +20,21 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..measures.catalogue import COUNTED
 from ..measures.extrapolation import (
     COUNTS,
     LANES_OF_MEANS,
     LEAST_COUNT,
     LEAST_ERROR,
     SAFETY,
-    SCATTER_OF_MEANS,
     VANISHING,
     error_factor,
     observed_order,
 )
 from ..solvers.companions import SENSITIVE
 from ..solvers.status import Status
-from ..store.studyfile import REPEATS, SPECIFICATION
+from ..store.studyfile import REPEATS
 
 if TYPE_CHECKING:
     from ..store.studyfile import StudyCase
@@ -224,10 +222,8 @@ class RepeatedCase:
             for ratios, values in series
         )
 
-    def error(self, name: str, order: int, several_turns: bool) -> CaseError | None:
-        """Return the error of a measure; None without two values. ``several_turns``: measures of a turn are
-        means over turns.
-        """
+    def error(self, name: str, order: int) -> CaseError | None:
+        """Return the error of a measure; None without two values."""
         ratios, values = self.values(name)
         if len(values) < 2:
             return None
@@ -236,23 +232,20 @@ class RepeatedCase:
         estimates = [change * error_over_change(ratio, order) for change, ratio in pairs]
         size, bound, floor = rms(estimates), estimates[0], 0.0
         width = max(values) - min(values)
-        if len(values) > 2 and (order == 1 or self.sensitive):
+        if order == 1 or (len(values) > 2 and self.sensitive):
             floor = LEAST_COUNT if name.endswith(COUNTS) else LEAST_ERROR * max(map(abs, values))
         if self.sensitive:
             # Of values that scatter, the changes are the errors.
-            is_mean = several_turns and len(values) >= LANES_OF_MEANS and not name.endswith(COUNTED)
             factor = max(SCATTER_OF_CASE, error_factor(ratios, values))
-            widening = SCATTER_OF_MEANS if is_mean else factor
-            size, bound = rms(changes), max(*changes, estimates[0]) + widening * width
-        elif len(values) > 2:
+            size, bound = rms(changes), max(*changes, estimates[0]) + factor * width
+        elif order == 1 or len(values) > 2:
             bound = SAFETY * max(estimates)
-            if order == 1:
+            if order == 1 and len(values) > 2:
                 bound = max(bound, width * error_factor(ratios, values))
         return CaseError(size, max(bound, floor), median(ratios[1:]), len(values), floor)
 
 
-@dataclass(frozen=True)
-class CaseError:
+class CaseError(NamedTuple):
     """Error of a measure of one case: what to expect (``size``), what it does not exceed (``bound``), the
     median ratio of the steps of its repeats (1), and the number of step sizes. ``floor``: least bound, below
     which steps tell nothing.
@@ -284,9 +277,25 @@ class SampleErrors:
 
     def _by_case(self, name: str) -> dict[int, CaseError]:
         """Return the error of a measure by number of the case, where it has two values to compare."""
-        order, last = int(self.meta[REPEATS]["order"]), self.meta[SPECIFICATION]["wanted"]["last"]
-        errors = {case.number: case.error(name, order, last > 1) for case in self.sample}
-        return {number: error for number, error in errors.items() if error is not None}
+        order, sizes = int(self.meta[REPEATS]["order"]), dict[int, float]()
+        errors = {
+            case.number: error for case in self.sample if (error := case.error(name, order)) is not None
+        }
+        for case in self.sample:
+            if case.number in errors:
+                value = case.outcome["measures"][name]
+                sizes[case.number] = max(abs(value), LEAST_SHARE * case.sizes[name])
+        # Two values of a case may agree by chance, those of all cases do not: none is known better than the
+        # root mean square of the sample, as a share of its size.
+        pairs = [number for number, error in errors.items() if error.steps == 2 and sizes[number] > 0.0]
+        if order > 1 or not pairs:
+            return errors
+        share = rms([errors[number].bound / sizes[number] for number in pairs])
+        floors = {number: share * sizes[number] for number in pairs}
+        return {
+            number: error._replace(bound=max(error.bound, floors.get(number, 0.0)))
+            for number, error in errors.items()
+        }
 
     @cached_property
     def sensitive(self) -> tuple[int, int]:

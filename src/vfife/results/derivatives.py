@@ -65,6 +65,11 @@ class Effect(NamedTuple):
     low: float
     high: float
 
+    @property
+    def size(self) -> float:
+        """Size of the value or, where it is unknown, of the farther end of its range."""
+        return max(abs(self.low), abs(self.high)) if self.kind == "unknown" else abs(self.value)
+
 
 @dataclass
 class Sensitivity(DataTable):
@@ -166,9 +171,11 @@ class Sensitivity(DataTable):
         return Effect(path, kind, self.change(measure, path), *self.change_span(measure, path))
 
     def effects(self, measure: str) -> list[Effect]:
-        """Return what is known of a measure by every number, the largest value first."""
+        """Return what is known of a measure by every number, the largest value first. Numbers whose effect
+        is unknown stand last, that with the largest end of its range first; their value means nothing.
+        """
         effects = [self.effect(measure, path) for path in self._paths(measure)]
-        return sorted(effects, key=lambda effect: -abs(effect.value) if not math.isnan(effect.value) else 0.0)
+        return sorted(effects, key=lambda effect: (effect.kind == "unknown", -effect.size))
 
     def ranked(self, measure: str) -> list[tuple[str, float]]:
         """Numbers and what is known of a measure by them, the largest first: the elasticity or, where finite

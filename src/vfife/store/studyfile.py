@@ -35,7 +35,7 @@ SPECIFICATION = STUDY.kind  # the entry of the meta that has the specification
 # 360 degrees before the end, as of a run.
 MEASURE_VERSION, MEASURE_VERSION_KEY = 2, "measure_version"
 # Entries beside the measures of a case, which have no such names: files without them stay readable.
-PERIOD, MEASURED_TURNS, RANGE = ":period", ":measured turns", ":range "
+PERIOD, MEASURED_TURNS, RANGE, CAUTIONS = ":period", ":measured turns", ":range ", ":cautions"
 
 
 @dataclass(frozen=True)
@@ -115,6 +115,9 @@ class StudyFile(Store):
         values = {name: value for name, value in values.items() if math.isfinite(value)}
         if outcome.period is not None:
             values |= {PERIOD: float(outcome.period), MEASURED_TURNS: float(outcome.measured_turns)}
+        entries: dict[str, Any] = dict(values)
+        if outcome.cautions is not None:
+            entries[CAUTIONS] = list(outcome.cautions)
         row = (
             str(outcome.status),
             outcome.reason or "",
@@ -122,7 +125,7 @@ class StudyFile(Store):
             int(settled),
             int(outcome.steps),
             float(step),
-            values,
+            entries,
         )
         with self.transaction(GATHER):
             self.insert(table, *key, case.number, case.hash, *row)
@@ -174,7 +177,8 @@ class StudyFile(Store):
 
     def outcomes(self, table: str = "outcomes") -> dict[int, dict[str, Any]]:
         """Return the outcomes of cases by their places: status, reason, turns, settled, steps, step,
-        measures, and of their last turns period, measured_turns (None if unknown) and ranges.
+        measures, and of their last turns period, measured_turns (None if unknown) and ranges;
+        and cautions, None of those that were not examined.
 
         ``table``: "repeats" of those with another step; none in a file that was written before there were
         any.
@@ -202,6 +206,7 @@ def _outcome(values: Sequence[Any]) -> dict[str, Any]:
     outcome = dict(zip(OUTCOMES, values, strict=True))
     entries = json.loads(outcome["measures"])
     period, measured_turns = (entries.pop(key, None) for key in (PERIOD, MEASURED_TURNS))
+    cautions = entries.pop(CAUTIONS, None)
     ranges = {name: entries.pop(name) for name in list(entries) if name.startswith(RANGE)}
     return outcome | {
         "measures": entries,
@@ -209,6 +214,7 @@ def _outcome(values: Sequence[Any]) -> dict[str, Any]:
         "period": None if period is None else int(period),
         "measured_turns": None if measured_turns is None else int(measured_turns),
         "ranges": {name.removeprefix(RANGE): value for name, value in ranges.items()},
+        "cautions": None if cautions is None else tuple(cautions),
     }
 
 

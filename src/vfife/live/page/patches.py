@@ -35,6 +35,8 @@ from ...errors import VfifeError
 from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
+from ...report.cautions import fall_remedy, falling_journals
+from ...report.design_words import and_words
 from ...simulation.simulate import prepare
 from ...simulation.start import expected_forces
 from ...solvers.arguments import RunArguments
@@ -121,7 +123,8 @@ class SliderPatches:
             }
             for g in self.groups
         ]
-        return {"slides": slides, "groups": groups, "notes": list(self.notes), "texts": self.texts}
+        notes = [*self.notes, *notes_on_start(self.base.assembly.mechanism)]
+        return {"slides": slides, "groups": groups, "notes": notes, "texts": self.texts}
 
 
 OTHER_STEP = (
@@ -475,3 +478,14 @@ def counterexample(patches: SliderPatches, assembler: Assembler) -> Setting | No
         ),
         None,
     )
+
+
+def notes_on_start(mechanism: Mechanism) -> list[str]:
+    """Return a sentence on journals that fall at the start of a page's run; none where none start free."""
+    if not (joints := falling_journals(mechanism)):
+        return []
+    part = "" if turn_of(mechanism) is None else " of the first turn"
+    return [
+        f"Largest values{part} may be those of the start, where the journals of {and_words(joints)} fall onto"
+        f" their bearings. {fall_remedy(mechanism, joints, turns=False)}"
+    ]

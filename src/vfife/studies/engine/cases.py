@@ -461,6 +461,7 @@ def run_cases(
                     case.period,
                     case.measured_turns,
                     case.ranges,
+                    case.cautions,
                 ),
             )
         else:

@@ -16,6 +16,8 @@ from ...measures.catalogue import RequestedMeasures, peaks_by_output
 from ...measures.energy import open_share
 from ...measures.trust import DEEP_HALVINGS
 from ...model.mechanism import Mechanism
+from ...report.case_cautions import case_cautions
+from ...results.case_errors import changes_between_turns
 from ...solvers.arguments import Loop
 from ...solvers.companions import measured_rows
 from ...solvers.record import Columns, Record, places, recorded_rows
@@ -58,8 +60,9 @@ class Plan:
     def __init__(self, assembly: Assembly, spec: CaseSpec, measures: RequestedMeasures) -> None:
         self.wanted, self.measures = spec, measures
         self.recorded = recorded_rows(assembly)
-        self.fine = spec.settle is not None or not measures.by_turn
-        self.handed = rows_by_turn(assembly) if measures.by_turn and self.fine else self.recorded
+        self.fine = spec.settle is not None or not measures.by_turn or spec.examine
+        peaks_only = measures.by_turn and self.fine and not spec.examine
+        self.handed = rows_by_turn(assembly) if peaks_only else self.recorded
         self.told, self.ends = Columns(assembly.layout, self.handed), Columns(assembly.layout, self.recorded)
         self.limited = places(self.handed, limited_rows(assembly))
         self.deep = assembly.layout["contact_deep"]
@@ -89,6 +92,7 @@ class Stepped(Lane):
         self.turns, self.measured_turns = 0, 1
         self.values, self.ranges = dict[str, float](), dict[str, float]()
         self.settling: Settling | None = None
+        self.cautions: tuple[str, ...] | None = None
 
     @property
     def outputs(self) -> int:
@@ -179,6 +183,9 @@ class Stepped(Lane):
         self.values = measures.turn_means(records[-self.measured_turns :], self.reference)
         if compared := turns_compared(spec, self.settling, self.turns):
             self.ranges = measures.turn_ranges(records[-compared:], self.reference)
+        if spec.examine:
+            repeats = turns_repeat(self.turns, self.values, self.ranges)
+            self.cautions = case_cautions(records[-1], self.reference, repeats)
         # Thousands of ended cases may wait for their turn to be saved; only their measures are kept.
         del self.final, self.before
         self.last.clear()
@@ -218,6 +225,11 @@ def turns_compared(spec: CaseSpec, settling: Settling | None, turns: int) -> int
     if settling is not None and spec.period_means and period is not None:
         return settling.turns_of_period()
     return min(max(COMPARED_TURNS, period or 0), max(turns - 1, 2))
+
+
+def turns_repeat(turns: int, values: Mapping[str, float], ranges: Mapping[str, float]) -> bool:
+    """Return whether a case made several turns, and no measure is known to differ between the last ones."""
+    return turns > 1 and not changes_between_turns({"measures": values, "ranges": ranges}, {})
 
 
 def rows_by_turn(assembly: Assembly) -> NDArray[np.uint32]:

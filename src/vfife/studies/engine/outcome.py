@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING
 
 from ...errors import VfifeError
 from ...measures.turns import each_turn
+from ...report.case_cautions import case_cautions
 from ...report.divergence import soft_contact
 from ...simulation.simulate import prepare, run_prepared
 from ...solvers.arguments import RunArguments
 from ...solvers.record import Record
 from ...solvers.repeating import Settling, turn_grid
 from ...solvers.status import Status
-from .lanes import turns_compared, turns_measured
+from .lanes import turns_compared, turns_measured, turns_repeat
 
 if TYPE_CHECKING:
     from .cases import Cases
@@ -30,7 +31,8 @@ class Outcome:
 
     ``period``: number of turns after which they do, None if they do not or were not compared; measures are
     means over ``measured_turns``. ``ranges``: by how much measures of single turns differ between the last
-    turns, where one turn or a period of several is measured.
+    turns, where one turn or a period of several is measured. ``cautions``: kinds of those
+    that it would have as a run (:mod:`~vfife.report.case_cautions`), None if they were not examined.
 
     ``status``: that of a run ("complete", "diverged", "energy"), or "failed" if it could not be assembled;
     ``reason``: a sentence if it is not complete. ``step`` (s) and ``steps``: size and number of its steps.
@@ -46,6 +48,7 @@ class Outcome:
     period: int | None = None
     measured_turns: int = 1
     ranges: dict[str, float] = field(default_factory=dict)
+    cautions: tuple[str, ...] | None = None
 
 
 def sentence(error: VfifeError) -> str:
@@ -80,8 +83,11 @@ def single(cases: Cases, numbers: Mapping[str, float | str]) -> Outcome:
         ranges = cases.measures.turn_ranges(list(each_turn(record, turns - compared + 1, turns)), reference)
     settled = turns if settling is not None and settling.settled else None
     period = None if settling is None else settling.motion_period
+    cautions = None
+    if spec.examine and not record.static:
+        cautions = case_cautions(record, reference, turns_repeat(turns, values, ranges))
     return Outcome(
-        values, turns, settled, str(Status.COMPLETE), None, choice.step, steps, period, last, ranges
+        values, turns, settled, str(Status.COMPLETE), None, choice.step, steps, period, last, ranges, cautions
     )
 
 

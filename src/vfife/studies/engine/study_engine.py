@@ -246,7 +246,7 @@ class Engine:
         for ratio, last in ((RATIO, False), (1.0 / RATIO, True)):
             failed = []
             steps = [step_of(case, ratio) for case in left]
-            with closing(self._with_steps(left, steps)) as results:
+            with closing(self._with_steps(left, steps, examine=True)) as results:
                 for case, outcome in results:
                     if outcome.status == Status.COMPLETE or last:
                         self.file.record_repeat(case, outcome)
@@ -270,11 +270,11 @@ class Engine:
             self.file.flush()
 
     def _with_steps(
-        self, cases: Sequence[StudyCase], steps: Sequence[float]
+        self, cases: Sequence[StudyCase], steps: Sequence[float], examine: bool = False
     ) -> Generator[tuple[StudyCase, Outcome]]:
-        """Run cases, each with its own step (s)."""
+        """Run cases, each with its own step (s); ``examine`` their cautions."""
         # The step of a case is given as a number of its model, so that each repetition can have another one.
-        spec = dataclasses.replace(self.spec, step=None)
+        spec = dataclasses.replace(self.spec, step=None, examine=examine)
         return self._outcomes(cases, spec, [{STEP: step} for step in steps])
 
     def _outcomes(

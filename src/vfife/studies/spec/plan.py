@@ -153,7 +153,7 @@ class CaseSpec:
     A case makes ``turns`` turns, or fewer if they repeat within ``settle`` (1), or lasts for a ``duration``
     (s). ``step`` (s): None for the automatic step of each case. ``counts``: whether contacts are counted over
     the whole "case" or the "last" turns. ``period_means``: cases whose turns repeat with a period of several
-    turns are measured over whole periods instead.
+    turns are measured over whole periods instead. ``examine``: whether a case keeps what its cautions need.
     """
 
     measures: tuple[str, ...]
@@ -164,6 +164,7 @@ class CaseSpec:
     duration: float | None = None
     counts: str = CASE
     period_means: bool = False
+    examine: bool = False
 
     @property
     def length(self) -> dict[str, Any]:
@@ -174,7 +175,7 @@ class CaseSpec:
     def fields(self) -> dict[str, Any]:
         """The fields as JSON has them, without defaults that former versions lack."""
         fields = {**dataclasses.asdict(self), "measures": list(self.measures)}
-        defaults = ("counts", CASE), ("period_means", False)
+        defaults = ("counts", CASE), ("period_means", False), ("examine", False)
         return {name: value for name, value in fields.items() if (name, value) not in defaults}
 
     @classmethod
