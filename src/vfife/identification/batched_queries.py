@@ -188,37 +188,30 @@ class Outcome:
         return max(point.unsettled for point in self.points)
 
 
-# Share of the runs of a fit before which their pace does not yet decide the time left.
-EARLY_RUNS = 0.1
-
-
 @dataclass
 class Evaluations:
-    """Compute points, store them in a file, and keep the best one and the cost of all others.
-
-    ``bound``: time (s) of all runs that may be needed, by the forecast.
-    """
+    """Compute points, store them in a file, and keep the best one and the cost of all others."""
 
     records: Sequence[FitRecord]
     parameters: Sequence[FitParameter]
     file: FitFile | None = None
     progress: Callable[[Progress], None] | None = None
-    bound: float = math.inf
     points: list[tuple[float, tuple[float, ...]]] = field(default_factory=list)
     best: tuple[float, Array, Outcome] | None = None
     reasons: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.began, self.runs = time.monotonic(), 0
+        self.began, self.runs, self.new_runs = time.monotonic(), 0, 0
         self.stage_end, self.later = 1, 0
+        self.marks: list[tuple[int, float]] = []  # computed runs and time (s) at each report
 
     def begin(self, stage: int, later: int) -> None:
-        """Begin a stage of a fit with at most about ``stage`` runs, and up to ``later`` runs after it."""
+        """Begin a stage of a fit with about ``stage`` runs, and about ``later`` runs after it."""
         self.stage_end, self.later = self.runs + stage, later
 
     @property
     def expected(self) -> int:
-        """Number of runs of the whole fit, if its later stages need all that they may need."""
+        """Number of runs of the whole fit, if its stages are as long as usual."""
         return max(self.stage_end, self.runs) + self.later
 
     def __call__(self, queries: Sequence[Query]) -> list[Outcome]:
@@ -250,6 +243,7 @@ class Evaluations:
         # One call for the runs of all points fills the lanes. One call for each point would leave most of
         # them idle.
         runs = [request for group in requests for request in group]
+        self.new_runs += len(runs)
         traces = iter(traces_of(runs) if runs else ())
         rows: list[Evaluation] = []
         answers = []
@@ -364,21 +358,22 @@ class Evaluations:
         if self.progress is not None:
             best = f", residual {100.0 * self.share:.3g} %" if self.best is not None else ""
             done, seconds = min(self.runs, self.expected), time.monotonic() - self.began
-            left = self.time_left(done, seconds) if seconds > 1.0 and 0 < done < self.expected else ""
+            self.marks.append((self.new_runs, seconds))
+            left = self.time_left() if done < self.expected else ""
             self.progress(Progress(done, self.expected, seconds, f"{self.runs} runs{best}{left}"))
 
-    def time_left(self, done: int, seconds: float) -> str:
-        """Return the time that the fit takes at most after ``done`` runs in ``seconds``, as text.
+    def time_left(self) -> str:
+        """Return the time that the fit usually takes at the pace of its latest runs, as text; empty before
+        there is a pace.
 
-        The first runs compile and are slower. Until a tenth of the runs is done, or the bound of the forecast
-        has passed, the time left is no longer than that bound; after that, the text states a slower pace.
+        The latter half of the runs counts: the first ones compile, and points with derivatives are slower.
         """
-        left = seconds * (self.expected - done) / done
-        if left <= self.bound - seconds:
-            return f", at most about {span(left)} left"
-        if done < EARLY_RUNS * self.expected and seconds < self.bound:
-            return f", at most about {span(self.bound - seconds)} left"
-        return f", slower than forecast: at most about {span(left)} left"
+        computed, seconds = self.marks[-1]
+        half = max((mark for mark in self.marks if 2 * mark[0] <= computed), default=self.marks[0])
+        if computed == half[0]:
+            return ""
+        pace = (seconds - half[1]) / (computed - half[0])
+        return f", about {span(pace * (self.expected - self.runs))} left"
 
     @property
     def residuals(self) -> int:

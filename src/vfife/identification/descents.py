@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -48,37 +48,38 @@ LONGEST_REACH = 0.1  # of the bounds: data that do not determine a parameter hav
 MIDDLE = 0.5  # share of its interval at which a parameter of a single record starts
 
 
-# For forecast and progress only: points of a long search, and runs that judge the result.
-LONG_SEARCH, CONCLUDING_RUNS = 20, 4
+# For forecast and progress only: points of a long search and of a usual one, and runs that judge the result.
+LONG_SEARCH, USUAL_SEARCH, CONCLUDING_RUNS = 20, 10, 4
 
 
 @dataclass(frozen=True)
 class Budget:
-    """Runs that a fit needs if it takes all restarts and its searches are long.
+    """Runs that a fit needs in its stages.
 
     ``records``: number of measured records; ``slopes``: runs of a point and its derivatives in all of them;
-    ``screened`` points and ``starts`` of searches as in :meth:`Descents.run`.
+    ``screened`` points and ``starts`` of searches as in :meth:`Descents.run`; ``length``: points of a search.
     """
 
     records: int
     slopes: int
     screened: int
     starts: int
+    length: int = LONG_SEARCH
 
     @classmethod
-    def of(cls, parameters: Sequence[int], screened: int, starts: int) -> Budget:
+    def of(cls, parameters: Sequence[int], screened: int, starts: int, length: int = LONG_SEARCH) -> Budget:
         """Return the budget of a fit to records with these numbers of ``parameters``, with derivatives by
         differences.
         """
-        return cls(len(parameters), sum(2 * count + 1 for count in parameters), screened, starts)
+        return cls(len(parameters), sum(2 * count + 1 for count in parameters), screened, starts, length)
 
     def searches(self, count: int) -> int:
         """Return the runs of some searches."""
-        return count * LONG_SEARCH * self.slopes
+        return count * self.length * self.slopes
 
     def search_points(self, restarts: int) -> int:
         """Return the points of all searches, each with derivatives: of the first, of restarts and rounds."""
-        return LONG_SEARCH * (self.starts * (1 + restarts) + MOST_ROUNDS)
+        return self.length * (self.starts * (1 + restarts) + MOST_ROUNDS)
 
     @property
     def first(self) -> int:
@@ -128,18 +129,22 @@ class Descents:
         """
         parameters, common = self.evaluations.parameters, self.common
         counts = [len(record.parameters) for record in self.evaluations.records]
-        budget = Budget.of(counts, screened, starts)
-        self.evaluations.begin(budget.first, budget.later(restarts))
+        budget = Budget.of(counts, screened, starts, USUAL_SEARCH)
+        self.evaluations.begin(budget.first, budget.later(0, 1))
         places = self.places(sobol(screened, len(common), seed) if common else np.zeros((1, 0)))
         if all(parameters[k].initial is not None for k in common):
             places = np.concatenate([[self.model_shares], places[: max(screened - 1, 0)]])
         chosen = self.distant(self.screen(places), starts, [])
         self.choose_derivatives(*chosen[0])
+        if self.search.tangents:
+            budget = replace(budget, slopes=2 * len(counts))
+        self.evaluations.begin(budget.searches(len(chosen)), budget.later(0, 1))
         self.descend(chosen)
         for attempt in range(1, restarts + 1):
             if not self.unexplained or self.evaluations.best is None:
                 break
-            self.evaluations.begin(budget.repetition, budget.later(restarts - attempt))
+            # Half of the restarts that are left: residuals may be noise after each of them.
+            self.evaluations.begin(budget.repetition, budget.later((restarts - attempt) // 2, 1))
             best = self.evaluations.best[1]
             points = self.screen(self.new_points(max(screened // 2, starts), seed + attempt))
             self.descend(self.distant(points, starts, [best]))
@@ -154,8 +159,7 @@ class Descents:
             former = self.evaluations.best
             if not self.common or former is None or not former[2].fitted:
                 return
-            rounds = MOST_ROUNDS - 1 - attempt
-            self.evaluations.begin(budget.exploration, budget.later(0, rounds))
+            self.evaluations.begin(budget.exploration, budget.later(0, 0))
             places = self.surroundings(seed + attempt)
             for first in range(0, len(places), BATCH):
                 batch = places[first : first + BATCH]
