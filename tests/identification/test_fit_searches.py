@@ -261,19 +261,18 @@ def test_columns_that_are_not_compared_are_named(tmp_path):
     assert measured(path, near).unknown[0] == 'mic (did you mean "mic.x"?)'
 
 
-def test_the_time_left_is_that_of_the_latest_pace():
-    """Of 1000 runs, the first sixteen take 30 s, because they compile, and others 0.1 s each."""
+def test_the_time_left_is_that_of_runs_with_and_without_derivatives():
+    """48 runs of a stage and 52 later ones take 0.1 s each, 24 and 16 with derivatives 2 s."""
     watched = Evaluations([], [])
-    watched.begin(800, 200)
-    watched.runs = 16
-    watched.marks = [(16, 30.0)]
-    assert watched.time_left() == "", "no pace"
-    watched.runs = 40
-    watched.marks += [(24, 30.8), (40, 32.4)]
-    assert watched.time_left() == ", about 1 min 36 s left", "960 runs"
-    watched.runs = 200
-    watched.marks += [(100, 38.4), (200, 58.4)]
-    assert watched.time_left() == ", about 2 min 40 s left", "800 runs, whose latest took 0.2 s"
+    watched.begin(np.array([64.0, 24.0]), np.array([52.0, 16.0]))
+    watched.counts[0], watched.calls[0], watched.paces[0] = 16, 1, 2.0
+    assert watched.time_left() == "", "the first runs compile"
+    watched.calls[0], watched.paces[0] = 2, 0.1
+    assert watched.time_left() == ", about 14 s left", "140 runs"
+    watched.calls[1], watched.paces[1] = 2, 2.0
+    assert watched.time_left() == ", about 1 min 30 s left" and watched.expected == 16 + 140
+    watched.counts[:] = 100, 40
+    assert watched.time_left() == ", about 60 s left", "a stage longer than usual: 25 and 10 more"
 
 
 @pytest.mark.parametrize("index", [True, False])

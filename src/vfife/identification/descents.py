@@ -49,37 +49,39 @@ MIDDLE = 0.5  # share of its interval at which a parameter of a single record st
 
 
 # For forecast and progress only: points of a long search and of a usual one, and runs that judge the result.
-LONG_SEARCH, USUAL_SEARCH, CONCLUDING_RUNS = 20, 10, 4
+LONG_SEARCH, USUAL_SEARCH, CONCLUDING_RUNS = 20, 8, 4
+# For progress only: searches are hard if the best screened point leaves more than this share of the data's
+# deviation, and searches then begin again. Residuals may be noise after each restart: half of them count.
+HARD, HALF = 0.25, 0.5
 
 
 @dataclass(frozen=True)
 class Budget:
-    """Runs that a fit needs in its stages.
+    """Runs that a fit needs if it takes all restarts and its searches are long.
 
     ``records``: number of measured records; ``slopes``: runs of a point and its derivatives in all of them;
-    ``screened`` points and ``starts`` of searches as in :meth:`Descents.run`; ``length``: points of a search.
+    ``screened`` points and ``starts`` of searches as in :meth:`Descents.run`.
     """
 
     records: int
     slopes: int
     screened: int
     starts: int
-    length: int = LONG_SEARCH
 
     @classmethod
-    def of(cls, parameters: Sequence[int], screened: int, starts: int, length: int = LONG_SEARCH) -> Budget:
+    def of(cls, parameters: Sequence[int], screened: int, starts: int) -> Budget:
         """Return the budget of a fit to records with these numbers of ``parameters``, with derivatives by
         differences.
         """
-        return cls(len(parameters), sum(2 * count + 1 for count in parameters), screened, starts, length)
+        return cls(len(parameters), sum(2 * count + 1 for count in parameters), screened, starts)
 
     def searches(self, count: int) -> int:
         """Return the runs of some searches."""
-        return count * self.length * self.slopes
+        return count * LONG_SEARCH * self.slopes
 
     def search_points(self, restarts: int) -> int:
         """Return the points of all searches, each with derivatives: of the first, of restarts and rounds."""
-        return self.length * (self.starts * (1 + restarts) + MOST_ROUNDS)
+        return LONG_SEARCH * (self.starts * (1 + restarts) + MOST_ROUNDS)
 
     @property
     def first(self) -> int:
@@ -96,9 +98,19 @@ class Budget:
         """Runs of a round of :meth:`Descents.explore`."""
         return EXPLORED * self.records + self.searches(1)
 
-    def later(self, restarts: int, rounds: int = MOST_ROUNDS) -> int:
-        """Return the runs of some restarts and rounds, and of the end of a fit."""
-        return restarts * self.repetition + rounds * self.exploration + CONCLUDING_RUNS * self.records
+    def later(self, restarts: int) -> int:
+        """Return the runs of some restarts, of all rounds, and of the end of a fit."""
+        return restarts * self.repetition + MOST_ROUNDS * self.exploration + CONCLUDING_RUNS * self.records
+
+    def usual(self, screened: int, searches: float) -> Array:
+        """Return the numbers of runs, without and with derivatives, of a stage of usual length."""
+        return np.array([screened * self.records, searches * USUAL_SEARCH * self.slopes])
+
+    def usual_end(self, hard: bool, rounds: int = MOST_ROUNDS) -> Array:
+        """Return the runs of :meth:`Descents.explore`: of one round without a search, or, if searches are
+        ``hard``, of all, each with one.
+        """
+        return rounds * self.usual(EXPLORED, 1.0) if hard else self.usual(EXPLORED, 0.0)
 
 
 class Hopeless(Exception):
@@ -129,8 +141,8 @@ class Descents:
         """
         parameters, common = self.evaluations.parameters, self.common
         counts = [len(record.parameters) for record in self.evaluations.records]
-        budget = Budget.of(counts, screened, starts, USUAL_SEARCH)
-        self.evaluations.begin(budget.first, budget.later(0, 1))
+        budget = Budget.of(counts, screened, starts)
+        self.evaluations.begin(budget.usual(screened, starts), budget.usual_end(False))
         places = self.places(sobol(screened, len(common), seed) if common else np.zeros((1, 0)))
         if all(parameters[k].initial is not None for k in common):
             places = np.concatenate([[self.model_shares], places[: max(screened - 1, 0)]])
@@ -138,13 +150,16 @@ class Descents:
         self.choose_derivatives(*chosen[0])
         if self.search.tangents:
             budget = replace(budget, slopes=2 * len(counts))
-        self.evaluations.begin(budget.searches(len(chosen)), budget.later(0, 1))
+        repetition = budget.usual(max(screened // 2, starts), starts)
+        hard = self.evaluations.share > HARD
+        later = budget.usual_end(hard) + (HALF * restarts * repetition if hard else 0.0)
+        self.evaluations.begin(budget.usual(0, len(chosen)), later)
         self.descend(chosen)
         for attempt in range(1, restarts + 1):
             if not self.unexplained or self.evaluations.best is None:
                 break
-            # Half of the restarts that are left: residuals may be noise after each of them.
-            self.evaluations.begin(budget.repetition, budget.later((restarts - attempt) // 2, 1))
+            later = HALF * (restarts - attempt) * repetition + budget.usual_end(True)
+            self.evaluations.begin(repetition, later)
             best = self.evaluations.best[1]
             points = self.screen(self.new_points(max(screened // 2, starts), seed + attempt))
             self.descend(self.distant(points, starts, [best]))
@@ -159,7 +174,8 @@ class Descents:
             former = self.evaluations.best
             if not self.common or former is None or not former[2].fitted:
                 return
-            self.evaluations.begin(budget.exploration, budget.later(0, 0))
+            left = budget.usual_end(self.unexplained, MOST_ROUNDS - attempt)
+            self.evaluations.begin(left, budget.usual(CONCLUDING_RUNS, 0.0))
             places = self.surroundings(seed + attempt)
             for first in range(0, len(places), BATCH):
                 batch = places[first : first + BATCH]
@@ -167,6 +183,8 @@ class Descents:
             best = self.evaluations.best
             if best is None or best[0] >= former[0]:
                 return
+            later = budget.usual_end(False) if attempt + 1 < MOST_ROUNDS else np.zeros(2)
+            self.evaluations.begin(budget.usual(0, 1), later)
             self.descend([(np.array(best[1]), best[2])])
 
     def surroundings(self, seed: int) -> Array:

@@ -30,7 +30,7 @@ from ..store.studyfile import locked_file
 from ..studies.spec.distributions import sobol
 from .batched_queries import Evaluations, Query
 from .curves import Channels, Curves, units_of
-from .descents import MOST_RESTARTS, Budget, Derivatives, Descents
+from .descents import MOST_RESTARTS, USUAL_SEARCH, Budget, Derivatives, Descents
 from .measurements import Measured
 from .other_minima import Search
 from .parameters import FitParameter
@@ -39,9 +39,8 @@ from .residuals import Comparison, FitRecord
 from .run_length import middle_and_ends, refuse_few_samples
 from .step_uncertainty import concluded
 
-# For forecast and progress only: typical evaluations of a search, and the ratio of all runs of a fit to those
-# of its first searches, which is 1 to 4 depending on restarts.
-EVALUATIONS = 8
+# For forecast only: ratio of all runs of a fit to those of its first searches, which is 1 to 4 depending on
+# restarts.
 RESTARTS = 2
 PILOT_RUNS = 8  # points that are run for a forecast
 COMPARISON = 2e-6  # time (s) to compare one sample of a curve with a run at all offsets
@@ -213,7 +212,7 @@ class FitTask:
     @property
     def least_runs(self) -> int:
         """Expected number of runs without restarts and rounds around the best point."""
-        return self.settings.screened * len(self.records) + EVALUATIONS * self.simultaneous_runs
+        return self.settings.screened * len(self.records) + USUAL_SEARCH * self.simultaneous_runs
 
     @property
     def most_runs(self) -> int:
