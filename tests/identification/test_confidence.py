@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from vfife.identification.curve_sensitivity import CurveSensitivity
-from vfife.identification.other_minima import excess_of
+from vfife.identification.other_minima import Search, excess_of, other_minima
 from vfife.identification.parameters import FitParameter
 from vfife.identification.run_length import outputs_of
 from vfife.identification.step_uncertainty import autocorrelation, cautions, confidence_of
@@ -133,3 +133,17 @@ def test_outputs_between_samples_are_as_dense_as_steps_allow() -> None:
     assert outputs_of(209, 8_000) == 1_000, "eight steps an output"
     assert outputs_of(209, 900) == 4 * 209
     assert outputs_of(1_000, 1e6) == 8_000 and outputs_of(4_000, 1e6) == 16_000
+
+
+@pytest.mark.parametrize(("correlation", "disputed"), [(0.0, False), (0.1, False), (0.2, True), (-0.2, True)])
+def test_a_dispute_spreads_to_what_it_moves_out_of_its_limits(correlation: float, disputed: bool) -> None:
+    """A search ended eight half widths from the best value of a; b moves by the correlation times that."""
+    parameters = [FitParameter(name, (name,), "kg", 0.0, 1.0) for name in "ab"]
+    search, limits = Search([(1.0, (0.5, 0.5)), (1.2, (0.58, 0.5))]), [(0.49, 0.51), (0.499, 0.501)]
+    pairs = np.array([[1.0, correlation], [correlation, 1.0]])
+    minima = other_minima(parameters, search, (1.0, np.array([0.5, 0.5])), limits, pairs)
+    assert minima.disputed == [True, disputed]
+    search.ends.pop()
+    assert (
+        other_minima(parameters, search, (1.0, np.array([0.5, 0.5])), limits, pairs).disputed == [False] * 2
+    )

@@ -188,38 +188,53 @@ class Outcome:
         return max(point.unsettled for point in self.points)
 
 
-# Share of the runs of a fit before which their pace does not yet decide the time left.
-EARLY_RUNS = 0.1
+# Share of the runs of a stage that it still needs if it is longer than usual, for progress only.
+LONGER = 0.25
 
 
 @dataclass
 class Evaluations:
-    """Compute points, store them in a file, and keep the best one and the cost of all others.
-
-    ``bound``: time (s) of all runs that may be needed, by the forecast.
-    """
+    """Compute points, store them in a file, and keep the best one and the cost of all others."""
 
     records: Sequence[FitRecord]
     parameters: Sequence[FitParameter]
     file: FitFile | None = None
     progress: Callable[[Progress], None] | None = None
-    bound: float = math.inf
     points: list[tuple[float, tuple[float, ...]]] = field(default_factory=list)
     best: tuple[float, Array, Outcome] | None = None
     reasons: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.began, self.runs = time.monotonic(), 0
-        self.stage_end, self.later = 1, 0
+        self.began = time.monotonic()
+        # Of runs without derivatives and with them: number, usual number at the end of the stage and after
+        # it, calls and time (s) of a run in the latest of them.
+        self.counts, self.stage_end, self.later = np.zeros(2, dtype=int), np.ones(2), np.zeros(2)
+        self.stage_begin = np.zeros(2)
+        self.calls, self.paces = np.zeros(2, dtype=int), np.zeros(2)
 
-    def begin(self, stage: int, later: int) -> None:
-        """Begin a stage of a fit with at most about ``stage`` runs, and up to ``later`` runs after it."""
-        self.stage_end, self.later = self.runs + stage, later
+    @property
+    def runs(self) -> int:
+        """Number of runs."""
+        return int(self.counts.sum())
+
+    def begin(self, stage: Array, later: Array) -> None:
+        """Begin a stage of a fit with about as many runs, without and with derivatives, and as many after
+        it.
+        """
+        self.stage_begin, self.stage_end, self.later = self.counts.copy(), self.counts + stage, later
+
+    @property
+    def left(self) -> Array:
+        """Numbers of runs, without and with derivatives, that are left if stages are as long as usual, or
+        longer by a share of what is done.
+        """
+        longer = LONGER * (self.counts - self.stage_begin)
+        return np.asarray(np.maximum(self.stage_end - self.counts, longer) + self.later)
 
     @property
     def expected(self) -> int:
-        """Number of runs of the whole fit, if its later stages need all that they may need."""
-        return max(self.stage_end, self.runs) + self.later
+        """Number of runs of the whole fit, if its stages are as long as usual."""
+        return self.runs + math.ceil(float(self.left.sum()))
 
     def __call__(self, queries: Sequence[Query]) -> list[Outcome]:
         """Return the points of all queries; those that are not in the file are computed together and written
@@ -250,6 +265,7 @@ class Evaluations:
         # One call for the runs of all points fills the lanes. One call for each point would leave most of
         # them idle.
         runs = [request for group in requests for request in group]
+        began = time.monotonic()
         traces = iter(traces_of(runs) if runs else ())
         rows: list[Evaluation] = []
         answers = []
@@ -259,6 +275,10 @@ class Evaluations:
             answers.append(point)
         if self.file is not None and rows:
             self.file.add_points(rows)
+        if runs:
+            kind = int(any(query.tangents is not None for _, query in parts))
+            self.calls[kind] += 1
+            self.paces[kind] = (time.monotonic() - began) / len(runs)
         return answers
 
     def joined(self, points: tuple[Point, ...]) -> Outcome:
@@ -343,7 +363,7 @@ class Evaluations:
         """Count the runs of a point, and remember the best."""
         for record, part in self.parts(query):
             derivatives = [] if part.tangents is None else derivative_runs(record, part.shares, part.tangents)
-            self.runs += 1 + len(derivatives)
+            self.counts[int(part.tangents is not None)] += 1 + len(derivatives)
         if not outcome.fitted:
             self.reasons.append(outcome.reason)
             return
@@ -356,29 +376,27 @@ class Evaluations:
 
     def finish(self) -> None:
         """Report that nothing is left to run."""
-        self.stage_end, self.later = self.runs, 0
+        self.begin(np.zeros(2), np.zeros(2))
         self.report()
 
     def report(self) -> None:
         """Report progress: runs, residual of the best point, time left."""
         if self.progress is not None:
             best = f", residual {100.0 * self.share:.3g} %" if self.best is not None else ""
-            done, seconds = min(self.runs, self.expected), time.monotonic() - self.began
-            left = self.time_left(done, seconds) if seconds > 1.0 and 0 < done < self.expected else ""
-            self.progress(Progress(done, self.expected, seconds, f"{self.runs} runs{best}{left}"))
+            seconds, expected = time.monotonic() - self.began, self.expected
+            left = self.time_left() if self.runs < expected else ""
+            self.progress(Progress(self.runs, expected, seconds, f"{self.runs} runs{best}{left}"))
 
-    def time_left(self, done: int, seconds: float) -> str:
-        """Return the time that the fit takes at most after ``done`` runs in ``seconds``, as text.
+    def time_left(self) -> str:
+        """Return the time that the rest of the fit usually takes at the pace of the latest runs, as text.
 
-        The first runs compile and are slower. Until a tenth of the runs is done, or the bound of the forecast
-        has passed, the time left is no longer than that bound; after that, the text states a slower pace.
+        Points with derivatives are slower, and the first call compiles: until the second one there is no
+        pace, and before the first search that of runs without derivatives.
         """
-        left = seconds * (self.expected - done) / done
-        if left <= self.bound - seconds:
-            return f", at most about {span(left)} left"
-        if done < EARLY_RUNS * self.expected and seconds < self.bound:
-            return f", at most about {span(self.bound - seconds)} left"
-        return f", slower than forecast: at most about {span(left)} left"
+        if self.calls[0] < 2:
+            return ""
+        paces = self.paces if self.calls[1] > 1 else self.paces[[0, 0]]
+        return f", about {span(float(paces @ self.left))} left"
 
     @property
     def residuals(self) -> int:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -48,8 +48,11 @@ LONGEST_REACH = 0.1  # of the bounds: data that do not determine a parameter hav
 MIDDLE = 0.5  # share of its interval at which a parameter of a single record starts
 
 
-# For forecast and progress only: points of a long search, and runs that judge the result.
-LONG_SEARCH, CONCLUDING_RUNS = 20, 4
+# For forecast and progress only: points of a long search and of a usual one, and runs that judge the result.
+LONG_SEARCH, USUAL_SEARCH, CONCLUDING_RUNS = 20, 8, 4
+# For progress only: searches are hard if the best screened point leaves more than this share of the data's
+# deviation, and searches then begin again. Residuals may be noise after each restart: half of them count.
+HARD, HALF = 0.25, 0.5
 
 
 @dataclass(frozen=True)
@@ -95,9 +98,19 @@ class Budget:
         """Runs of a round of :meth:`Descents.explore`."""
         return EXPLORED * self.records + self.searches(1)
 
-    def later(self, restarts: int, rounds: int = MOST_ROUNDS) -> int:
-        """Return the runs of some restarts and rounds, and of the end of a fit."""
-        return restarts * self.repetition + rounds * self.exploration + CONCLUDING_RUNS * self.records
+    def later(self, restarts: int) -> int:
+        """Return the runs of some restarts, of all rounds, and of the end of a fit."""
+        return restarts * self.repetition + MOST_ROUNDS * self.exploration + CONCLUDING_RUNS * self.records
+
+    def usual(self, screened: int, searches: float) -> Array:
+        """Return the numbers of runs, without and with derivatives, of a stage of usual length."""
+        return np.array([screened * self.records, searches * USUAL_SEARCH * self.slopes])
+
+    def usual_end(self, hard: bool, rounds: int = MOST_ROUNDS) -> Array:
+        """Return the runs of :meth:`Descents.explore`: of one round without a search, or, if searches are
+        ``hard``, of all, each with one.
+        """
+        return rounds * self.usual(EXPLORED, 1.0) if hard else self.usual(EXPLORED, 0.0)
 
 
 class Hopeless(Exception):
@@ -129,17 +142,24 @@ class Descents:
         parameters, common = self.evaluations.parameters, self.common
         counts = [len(record.parameters) for record in self.evaluations.records]
         budget = Budget.of(counts, screened, starts)
-        self.evaluations.begin(budget.first, budget.later(restarts))
+        self.evaluations.begin(budget.usual(screened, starts), budget.usual_end(False))
         places = self.places(sobol(screened, len(common), seed) if common else np.zeros((1, 0)))
         if all(parameters[k].initial is not None for k in common):
             places = np.concatenate([[self.model_shares], places[: max(screened - 1, 0)]])
         chosen = self.distant(self.screen(places), starts, [])
         self.choose_derivatives(*chosen[0])
+        if self.search.tangents:
+            budget = replace(budget, slopes=2 * len(counts))
+        repetition = budget.usual(max(screened // 2, starts), starts)
+        hard = self.evaluations.share > HARD
+        later = budget.usual_end(hard) + (HALF * restarts * repetition if hard else 0.0)
+        self.evaluations.begin(budget.usual(0, len(chosen)), later)
         self.descend(chosen)
         for attempt in range(1, restarts + 1):
             if not self.unexplained or self.evaluations.best is None:
                 break
-            self.evaluations.begin(budget.repetition, budget.later(restarts - attempt))
+            later = HALF * (restarts - attempt) * repetition + budget.usual_end(True)
+            self.evaluations.begin(repetition, later)
             best = self.evaluations.best[1]
             points = self.screen(self.new_points(max(screened // 2, starts), seed + attempt))
             self.descend(self.distant(points, starts, [best]))
@@ -154,8 +174,8 @@ class Descents:
             former = self.evaluations.best
             if not self.common or former is None or not former[2].fitted:
                 return
-            rounds = MOST_ROUNDS - 1 - attempt
-            self.evaluations.begin(budget.exploration, budget.later(0, rounds))
+            left = budget.usual_end(self.unexplained, MOST_ROUNDS - attempt)
+            self.evaluations.begin(left, budget.usual(CONCLUDING_RUNS, 0.0))
             places = self.surroundings(seed + attempt)
             for first in range(0, len(places), BATCH):
                 batch = places[first : first + BATCH]
@@ -163,6 +183,8 @@ class Descents:
             best = self.evaluations.best
             if best is None or best[0] >= former[0]:
                 return
+            later = budget.usual_end(False) if attempt + 1 < MOST_ROUNDS else np.zeros(2)
+            self.evaluations.begin(budget.usual(0, 1), later)
             self.descend([(np.array(best[1]), best[2])])
 
     def surroundings(self, seed: int) -> Array:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -31,7 +30,7 @@ from ..store.studyfile import locked_file
 from ..studies.spec.distributions import sobol
 from .batched_queries import Evaluations, Query
 from .curves import Channels, Curves, units_of
-from .descents import MOST_RESTARTS, Budget, Derivatives, Descents
+from .descents import MOST_RESTARTS, USUAL_SEARCH, Budget, Derivatives, Descents
 from .measurements import Measured
 from .other_minima import Search
 from .parameters import FitParameter
@@ -40,9 +39,8 @@ from .residuals import Comparison, FitRecord
 from .run_length import middle_and_ends, refuse_few_samples
 from .step_uncertainty import concluded
 
-# For forecast and progress only: typical evaluations of a search, and the ratio of all runs of a fit to those
-# of its first searches, which is 1 to 4 depending on restarts.
-EVALUATIONS = 8
+# For forecast only: ratio of all runs of a fit to those of its first searches, which is 1 to 4 depending on
+# restarts.
 RESTARTS = 2
 PILOT_RUNS = 8  # points that are run for a forecast
 COMPARISON = 2e-6  # time (s) to compare one sample of a curve with a run at all offsets
@@ -137,9 +135,8 @@ def fit(
     arguments.check()
     task = plan_fit(mechanism, data, parameters, **options)
     with job_of("fit", file, confirm, progress) as job:
-        forecast = task.forecast(file)
-        job.begin(forecast)
-        result = task.run(file, job, bound=forecast.bound)
+        job.begin(task.forecast(file))
+        result = task.run(file, job)
         if result.status == Status.INTERRUPTED.value:
             job.interrupted()
         return result
@@ -215,7 +212,7 @@ class FitTask:
     @property
     def least_runs(self) -> int:
         """Expected number of runs without restarts and rounds around the best point."""
-        return self.settings.screened * len(self.records) + EVALUATIONS * self.simultaneous_runs
+        return self.settings.screened * len(self.records) + USUAL_SEARCH * self.simultaneous_runs
 
     @property
     def most_runs(self) -> int:
@@ -266,7 +263,7 @@ class FitTask:
         bound = max(seconds / max(left, 1) * max(self.most_runs - stored, 0), tangent_bound)
         return Forecast(
             "run", left, assembly.choice.steps, seconds, memory, COMPRESSED * 8.0 * values * left, stored,
-            cores(), lanes, remedy=remedy, work=work, bound=bound if left else math.inf,
+            cores(), lanes, remedy=remedy, work=work,
             note=f"; {self.least_runs:,} to {self.most_runs:,} runs by how the searches go, at most"
             f" {span(bound)}",
         )  # fmt: skip
@@ -314,29 +311,26 @@ class FitTask:
         file: str | Path | None = None,
         progress: Callable[[Progress], None] | None = None,
         replace: bool = False,
-        bound: float = math.inf,
     ) -> Fit:
         """Run the fit, or what is missing in its file, and return the result; ``replace`` overwrites a former
-        file; ``bound``: time (s) that it takes at most by its forecast.
+        file.
         """
         with locked_file(FitFile, file, self.question, "this fit", replace) as store:
             if store is None:
-                return self.result(None, progress, bound)
+                return self.result(None, progress)
             former = store.fit(self.search)
             if former is not None and former.status == "complete":
                 return former
-            result = self.result(store, progress, bound)
+            result = self.result(store, progress)
             store.conclude(result, self.search)
             return result
 
-    def result(
-        self, file: FitFile | None, progress: Callable[[Progress], None] | None, bound: float = math.inf
-    ) -> Fit:
+    def result(self, file: FitFile | None, progress: Callable[[Progress], None] | None) -> Fit:
         """Search, using the points in a file, and return the result; Ctrl-C ends the search with the best
         point so far.
         """
         settings = self.settings
-        evaluations = Evaluations(self.evaluated, self.parameters, file, progress, bound)
+        evaluations = Evaluations(self.evaluated, self.parameters, file, progress)
         search, slopes = Search(), None
         try:
             Descents(evaluations, search, settings.derivatives).run(

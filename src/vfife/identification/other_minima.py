@@ -76,23 +76,30 @@ class OtherMinima:
 
 
 def other_minima(
-    parameters: Sequence[FitParameter], search: Search, best: tuple[float, Array], limits: Limits
+    parameters: Sequence[FitParameter],
+    search: Search,
+    best: tuple[float, Array],
+    limits: Limits,
+    correlation: Array,
 ) -> OtherMinima:
     """Return the minima that fit nearly as well as the ``best`` point, its cost and its shares of the bounds.
 
     Searches dispute a parameter if one of them ended more than SAME_POINT of the bounds, and more than the
-    width of its ``limits``, from the best value.
+    width of its ``limits``, from the best value. They also dispute each parameter that the ``correlation``,
+    shape (parameters, parameters), moves out of its limits when the first one moves to that end.
     """
     cost, shares = best
     values = np.array([parameter.value(float(x)) for parameter, x in zip(parameters, shares, strict=True)])
     ends = [np.array(end) for end_cost, end in search.ends if end_cost <= NEAR_RESIDUAL**2 * cost]
     points = np.array([values, *ends])
-    disputed = []
+    disputed = np.zeros(len(parameters), dtype=bool)
     for k, (parameter, (low, high)) in enumerate(zip(parameters, limits, strict=True)):
         distance = max(abs(parameter.share(float(x)) - float(shares[k])) for x in points[:, k])
         away = float(np.abs(points[:, k] - values[k]).max())
-        disputed.append(distance > SAME_POINT and not away <= high - low)
-    return OtherMinima(np.stack([points.min(axis=0), points.max(axis=0)], axis=1), disputed)
+        if distance > SAME_POINT and not away <= high - low:
+            disputed[k] = True
+            disputed |= np.abs(correlation[k]) * away > 0.5 * (high - low)
+    return OtherMinima(np.stack([points.min(axis=0), points.max(axis=0)], axis=1), disputed.tolist())
 
 
 def dispute_words(
@@ -105,10 +112,10 @@ def dispute_words(
     if names:
         near = sum(end_cost <= NEAR_RESIDUAL**2 * cost for end_cost, _ in search.ends)
         yield (
-            f"searches ended at different values of {', '.join(dict.fromkeys(names))}: {near} of"
-            f" {len(search.ends)} leave at most {NEAR_RESIDUAL:g} times the least residual, so confidence is"
-            " not known; in Python their ends enclose all values that fit nearly as well; measure a curve"
-            " that depends more on them"
+            f"searches do not agree on {', '.join(dict.fromkeys(names))}: {near} of {len(search.ends)} leave"
+            f" at most {NEAR_RESIDUAL:g} times the least residual, at other values of these or of correlated"
+            " parameters, so confidence is not known; in Python their ends enclose all values that fit nearly"
+            " as well; measure a curve that depends more on them"
         )
 
 

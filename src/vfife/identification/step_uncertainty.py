@@ -164,7 +164,7 @@ def offset_error(offsets: Array | None, confidence: Confidence, misfit: Misfit, 
     """Return the standard error (s) of a record's offset: its own, from the ``curvature`` of the
     cost along it, and the part that follows the parameters.
 
-    offsets: derivatives of the offset by the parameters, (parameters,)
+    offsets: derivatives of the offset by the parameters, (parameters,); None where these are not known
     """
     if misfit.offset.fixed:
         return 0.0
@@ -255,7 +255,8 @@ def concluded(
     shared_limits = dict(zip(common, near_limits, strict=True))
     joint_limits = [shared_limits.get(k, pair) for k, pair in enumerate(joint_confidence.limits)]
     last = Search() if slopes is None else search
-    minima = other_minima(parameters, last, (outcome.cost, shares), joint_limits)
+    correlation = joint_confidence.correlation
+    minima = other_minima(parameters, last, (outcome.cost, shares), joint_limits, correlation)
     errors, limits = minima.cover(common, errors, limits)
     certainty = [trusted and not disputed for disputed in minima.disputed]
     values = fit_values(shared, shared_shares, errors, limits, [certainty[k] for k in common])
@@ -357,7 +358,7 @@ def record_values(
             [evaluations.parameters[at] for at in indices], shares[indices], errors, limits,
             [certainty[at] for at in indices],
         )  # fmt: skip
-        offsets = None if slopes is None else slopes.offsets[k]
+        offsets = None if slopes is None or not all(certainty) else slopes.offsets[k]
         error = offset_error(offsets, confidence, record.misfit, fitted.curvature)
         share = math.sqrt(2.0 * fitted.cost / record.misfit.count)
         name = record.name or record.misfit.measured.name

@@ -105,8 +105,7 @@ class Forecast:
     ``seconds`` on this machine without other load, with ``threads`` of ``lanes``; bytes of ``memory`` and
     ``disk``. ``work`` describes the work instead of count and steps; ``remedy`` tells how to reduce it,
     ``note`` what may increase it. ``disk_growth``: the largest size on disk over ``disk``. ``ends``: the time
-    (s) in the cheapest and in the dearest case, where they differ. ``bound``: time (s) of a search that needs
-    all runs that it may need.
+    (s) in the cheapest and in the dearest case, where they differ.
     """
 
     noun: str
@@ -127,7 +126,6 @@ class Forecast:
     spread: tuple[float, float] | None = None  # s, from which to which time a run may take
     disk_growth: float = 1.0
     ends: tuple[float, float] | None = None
-    bound: float = math.inf
 
     def with_ends(self, low: float, high: float) -> Forecast:
         """Return this forecast with the time (s) with an automatic step that is not halved, and with one that

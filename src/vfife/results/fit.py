@@ -90,7 +90,7 @@ class FitValue:
     def words(self, confidence: float) -> str:
         """Return name, value and limits in words, with the digits that the limits leave."""
         unit = "" if self.unit == "1" else f" {self.unit}"
-        sure = "confidence not known" if np.isfinite(self.ends).any() else "error not estimated"
+        sure = "error not estimated" if self.known else "confidence not known"
         if math.isfinite(self.error):
             sure = f"{100.0 * confidence:g} %: {significant_range(self.low, self.high, 5)}"
         return f"{self.name} = {self.value:.5g}{unit} ({sure})"
@@ -291,7 +291,7 @@ class Fit(DataTable):
         sentences = []
         if self.offset_error > 0.0 or self.offset != 0.0:
             factor, unit = (1e3, "ms") if self.over == "time" else (57.29577951308232, "deg")
-            known = np.isfinite(self.offset_error) and all(value.known for value in self.values)
+            known = math.isfinite(self.offset_error)
             error = f" ± {factor * self.offset_error:.2g}" if known else ""
             sentences.append(
                 f"The first sample of the data was taken {factor * self.offset:.5g}{error} {unit} after the"

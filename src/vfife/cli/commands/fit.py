@@ -46,9 +46,8 @@ def fit(options: FitOptions) -> None:
             tell_cautions(task.mechanism)
             job = CommandJob("fit", place, options)
             with job.at_work(str(place)):
-                forecast = task.forecast(place, options.force)
-                job.begin(forecast)
-                result = task.run(place, job, replace=options.force, bound=forecast.bound)
+                job.begin(task.forecast(place, options.force))
+                result = task.run(place, job, replace=options.force)
             save_model(options.fitted, task.text, result)
     options.write_files(result)
     options.answer(identification(result), *([place] if place is not None else []))
