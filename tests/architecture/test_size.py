@@ -13,7 +13,7 @@ import pytest
 from architecture.size import Size, size_of, sizes, tokens
 
 LIMITS = Size(
-    files=507,
+    files=508,
     code=74_400,
     tokens=752_000,
     import_lines=7_230,

@@ -41,7 +41,6 @@ if TYPE_CHECKING:
     from ..results.run_data import RunData
     from ..solvers.record import Record
 
-MISSING = "forgotten?"  # ends notes on missing joints, which come first
 PIN = 0.1  # of the journal's radius: a pin that sinks in deeper has lost its shape
 SOFTER = (
     "a limit load may have been passed, or the structure became softer, which load factors so far apart do"
@@ -88,7 +87,7 @@ def transient_cautions(result: RunData, verdict: str, of_laws: Iterable[str]) ->
     """
     record, choice, measures = result.record, result.record.assembly.choice, result.measures
     yield from damage(result)
-    yield from (note for note in record.assembly.notes if note.endswith(MISSING))
+    yield from record.assembly.missing_joints
     yield from suspect_surfaces(record.assembly.mechanism)
     if record.status != Status.COMPLETE:
         sentence = STATUS.get(record.status, f"The run is {record.status}.")
@@ -158,6 +157,7 @@ def static_cautions(result: RunData) -> Iterator[str]:
         yield record.message
     elif record.status != Status.COMPLETE:
         yield f"The analysis is {record.status}: it reached only the load factors listed here."
+    yield from record.assembly.missing_joints
     if coarse := static_verdict(result):
         yield coarse
     yield from suspect_surfaces(record.assembly.mechanism)

@@ -28,7 +28,6 @@ from ..model.wear import deepest
 from ..solvers.record import Record
 from ..solvers.refinement import worth_other_meshes, worth_refining
 from .cautions import (
-    MISSING,
     fall_caution,
     fall_of,
     largest_by_joint,
@@ -268,11 +267,7 @@ def _transient_run(result: RunData) -> Json:
         "stable_step": choice.stable if choice.stable < float("inf") else None,
         "set_by": choice.culprit,
         **({"steps_planned": choice.steps} if record.status == "interrupted" else {}),
-        "notes": [
-            note
-            for note in record.assembly.notes
-            if note not in _leading_notes(mechanism) and not note.endswith(MISSING)
-        ],
+        "notes": [note for note in record.assembly.notes if note not in _leading_notes(mechanism)],
         **({"reached": reached} if choice.turn is None and (reached := _reached_speeds(record)) else {}),
     }
 

@@ -259,6 +259,12 @@ def former_errors(former: Result, assembly: Assembly) -> dict[str, Any]:
     return {**worst, "included": False}
 
 
+def with_outlook(assembly: Assembly, prospect: Outlook) -> Assembly:
+    """Return an assembly with the notes and cautions of the outlook of its motion."""
+    notes = (*assembly.notes, *prospect.notes)
+    return dataclasses.replace(assembly, notes=notes, missing_joints=prospect.missing_joints)
+
+
 @dataclass(frozen=True)
 class RunStart:
     """Start and length of a run: everything but the step.
@@ -284,7 +290,7 @@ class RunStart:
             motion=self.outlook.motion,
             **self.length,
         )
-        return dataclasses.replace(assembly, notes=(*assembly.notes, *self.outlook.notes))
+        return with_outlook(assembly, self.outlook)
 
     def first(self, step: float | str | None, loop: Loop, companions: int | str) -> Assembly:
         """Return the first try: with the given step, else that of the former run, else an automatic one.
@@ -324,7 +330,7 @@ class StaticStart:
         """Return the assembled mechanism, with the cautions of a dynamic run about its numbers."""
         del step
         assembly = assemble(self.mechanism)
-        return dataclasses.replace(assembly, notes=(*assembly.notes, *outlook(self.mechanism).notes))
+        return with_outlook(assembly, outlook(self.mechanism))
 
 
 @dataclass(frozen=True)

@@ -46,12 +46,7 @@ USUAL_SPEED = 314.0  # rad/s, of a motor whose torque has no speeds: 3,000 rpm
 
 
 def suspects(mechanism: Mechanism) -> tuple[str, ...]:
-    """Return cautions about a valid mechanism, with the likely cause."""
-    return (*suspect_sizes(mechanism), *suspect_connections(mechanism))
-
-
-def suspect_sizes(mechanism: Mechanism) -> tuple[str, ...]:
-    """Return cautions about numbers."""
+    """Return cautions about the numbers of a valid mechanism, with the likely cause."""
     return (
         *suspect_lengths(mechanism),
         *suspect_inertias(mechanism),
@@ -70,17 +65,13 @@ def suspect_sizes(mechanism: Mechanism) -> tuple[str, ...]:
         *_masses(mechanism),
         *suspect_velocities(mechanism),
         *suspect_constants(mechanism),
+        *_idle(mechanism),
     )
 
 
 def suspect_surfaces(mechanism: Mechanism) -> tuple[str, ...]:
     """Return cautions about radii and clearances of joints, which decide every force."""
     return (*suspect_radii(mechanism), *_clearances(mechanism))
-
-
-def suspect_connections(mechanism: Mechanism) -> tuple[str, ...]:
-    """Return cautions about what is connected; they depend on numbers only where these are zero."""
-    return (*unconnected(mechanism), *_idle(mechanism))
 
 
 def unconnected(mechanism: Mechanism) -> tuple[str, ...]:
@@ -397,8 +388,12 @@ def _loose(mechanism: Mechanism) -> Iterator[str]:
 
 
 def _open(mechanism: Mechanism) -> Iterator[str]:
-    """Caution about chains with a free end, if a point of the ground or another end is free too."""
+    """Caution about chains with a free end, if a point of the ground or another end is free too; not about
+    two bodies that are both joined to the ground, such as a pendulum and the crank that is its clock.
+    """
     used = used_pins(mechanism)
+    pairs = [{pin.partition(".")[0] for pin in pair} for pair in connections(mechanism)]
+    grounded = {name for pair in pairs if "ground" in pair for name in pair}
     bodies = {pin.partition(".")[0] for pin in used}
     ends = [
         f"{name}.{end}"
@@ -409,7 +404,8 @@ def _open(mechanism: Mechanism) -> Iterator[str]:
     ]
     driven = any(driver.moves for driver in mechanism.drivers.values())
     points = [f"ground.{name}" for name in mechanism.points if f"ground.{name}" not in used]
-    if ends and (points or (driven and len(ends) > 1)):
+    chained = any(end.partition(".")[0] not in grounded for end in ends)
+    if ends and (points or (driven and chained and len(ends) > 1)):
         waiting = f", and {' and '.join(points)} by nothing used" if points else ""
         partner = points[0] if points else ends[1]
         yield (
