@@ -19,11 +19,13 @@ from ..measures.statics import SNAP, displacement, first_leap
 from ..measures.trust import OPEN
 from ..measures.turns import full_run
 from ..measures.whirl import backward_whirls
+from ..model.functions import without_ideal
 from ..model.surfaces import cautions, law_facts, remarks, surfaces
 from ..model.validation.plausibility import clearances_at_rest, suspect_surfaces
 from ..solvers.status import Status
 from .damping_cautions import (
     certain_shocks,
+    comparison,
     damping_cautions,
     load_cautions,
     load_words,
@@ -124,6 +126,18 @@ def transient_cautions(result: RunData, verdict: str, of_laws: Iterable[str]) ->
     if (share := open_share(record, result.ledger)) > OPEN:
         remedy = FLOOR if own_floor(record) else "take a smaller step and see whether it closes"
         yield f"The energy ledger is open by {100.0 * share:.2g} % of the largest energy: {remedy}."
+    yield from comparison_cautions(record)
+
+
+def comparison_cautions(record: Record) -> Iterator[str]:
+    """Yield a sentence on why a driven run with contacts has no ideal mechanism to compare with."""
+    mechanism = record.assembly.mechanism
+    driven = mechanism.drivers and record.assembly.contacts
+    if driven and (reason := without_ideal(mechanism)):
+        yield (
+            f"There is no comparison with ideal joints: {reason}. Which loads the contact law raises is not"
+            f" known: {comparison(mechanism, mechanism.contacts)}."
+        )
 
 
 def rest_cautions(record: Record) -> Iterator[str]:

@@ -19,7 +19,7 @@ from ..kinematics.initial import Motion
 from ..measures.catalogue import LOADS
 from ..measures.error_ranges import own_ranges
 from ..measures.trust import trust
-from ..model.functions import repeats_each_turn
+from ..model.functions import repeats_each_turn, without_ideal
 from ..model.mechanism import Mechanism
 from ..results.continuation import (
     States,
@@ -66,13 +66,8 @@ def comparable(mechanism: Mechanism) -> bool:
     """Return whether there is an ideal mechanism for comparison turn by turn: clearance, a driver, and an
     ideal counterpart of every joint.
     """
-    if (
-        mechanism.settings.analysis == "static"
-        or not mechanism.contacts
-        or not any(driver.moves for driver in mechanism.drivers.values())
-    ):
-        return False
-    return all(joint.reference is not None for joint in mechanism.joints.values())
+    dynamic = mechanism.settings.analysis != "static"
+    return dynamic and bool(mechanism.contacts) and not without_ideal(mechanism)
 
 
 def ideal_of(
