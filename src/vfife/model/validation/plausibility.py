@@ -29,11 +29,19 @@ if TYPE_CHECKING:
     from ..loads import Load
     from ..mechanism import Mechanism
 
-ANGLES = "angle", "zero_angle", "amplitude", "phase"  # keys of angles that a turn is enough for
+ANGLES = (
+    "angle",
+    "zero_angle",
+    "amplitude",
+    "phase",
+    "low",
+    "high",
+)  # keys of angles that a turn is enough for
 LEAST_OFFSET = 1e-6  # of a clearance: less is rounding of a place in the middle
 HIGH_FRICTION = 2.0  # rubber on dry concrete has about 1
 VACUUM = 0.2  # of the ambient pressure
 NEAR_VACUUM = 0.01  # of the ambient pressure: 10 mbar, which no piston reaches
+ATMOSPHERE = 0.9e5, 1.05e5  # Pa, absolute pressures at the suction of compressors and engines
 FAINT = 1e3  # Pa, below all pressures of machines; numbers of bar and MPa are
 SEVERE_WEAR = 3e-11  # 1/Pa: K = 7e-3 over 0.3 GPa; numbers of mm^3/(N m) are above
 # Times what accelerates masses to the highest speed of a motor's curve within a radian and moves all loads:
@@ -149,6 +157,11 @@ def _pressures(mechanism: Mechanism) -> Iterator[str]:
             yield (
                 f"The pressure of load.{name} never exceeds {largest:.4g} Pa, below the pressures of"
                 f" machines: is it {largest:.4g} bar? Numbers without a unit are Pa."
+            )
+        elif not load.ambient_pressure and ATMOSPHERE[0] <= lowest <= ATMOSPHERE[1] < 0.5 * highest:
+            yield (
+                f"The pressure of load.{name} falls to {1e-5 * lowest:.3g} bar, like that of a cylinder open"
+                " to the air, and no ambient pressure is subtracted: is it absolute? Then set ambient."
             )
         elif load.ambient_pressure > 0.0:
             yield from _suspect_pressure(name, load.ambient_pressure, lowest, highest)
@@ -285,7 +298,7 @@ def _angles(mechanism: Mechanism) -> Iterator[str]:
     """Caution about angles of more than a turn, which may be in degrees."""
     sections: dict[str, Mapping[str, Any]] = {
         "body": mechanism.bodies, "joint": mechanism.joints, "driver": mechanism.drivers,
-        "load": mechanism.loads,
+        "load": mechanism.loads, "spring": mechanism.springs,
     }  # fmt: skip
     values = {
         f"{section}.{name}.{key}": value
