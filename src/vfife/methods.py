@@ -47,7 +47,7 @@ def check(self: Mechanism) -> Checked:
 
     validate(self)
     facts = examination(self)
-    return checked(facts.assembly, facts.outlook.notes)
+    return checked(facts.assembly, facts.outlook.cautions)
 
 
 def plot(self: Mechanism) -> Figure:

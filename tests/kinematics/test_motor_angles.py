@@ -111,6 +111,14 @@ def test_motors_that_contradict_each_other_both_give_way_and_are_named():
     assert starts == pytest.approx(found, abs=0.01)
 
 
+def test_an_angle_of_zero_that_does_not_close_is_cautioned_about():
+    m = four_bar(0.0, 0.0)
+    m.torque("crank", value=1.0)
+    m.torque("rocker", value=-1.0)
+    notes = [note for note in assemble(m, 1e-4, duration=1e-3).notes if "(0 is the default)" in note]
+    assert "rocker" in [note.split(" starts at ")[0] for note in notes]
+
+
 def test_one_of_two_bodies_with_a_motor_suffices_and_nothing_is_said():
     m = four_bar(60.0, 100.0)
     m.torque("rocker", value=-1.0)

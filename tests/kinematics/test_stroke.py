@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
@@ -162,3 +163,24 @@ def test_a_shift_of_the_table_moves_its_dead_centre() -> None:
     found = table_peak(m, answer.motion, answer.turn, m.loads["gas"])
     assert found.words == "peak at 178°, 2° before top dead centre (180°)"
     assert not [note for note in answer.notes if "zero_angle" in note]
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({}, ""),
+        ({"reverse": False}, "Is reverse wrong"),
+        ({"pressure": ["8 bar", "1 bar"]}, "Is reverse wrong, or the table turned?"),
+        ({"zero_travel": "77 mm"}, "moves from 0 to 46 mm of the table, which covers -46 to 0 mm"),
+        ({"zero_travel": 0}, "moves from 77 to 123 mm of the table"),
+    ],
+)
+def test_a_pressure_over_travel_that_pushes_to_its_peak_or_is_not_reached_is_cautioned_about(
+    changes: dict[str, Any], words: str
+) -> None:
+    m = gallery.compressor()
+    m.loads.clear()
+    load = {"pressure": ["1 bar", "8 bar"], "reverse": True, "zero_travel": "123 mm"} | changes
+    m.guide_force("gas", "cylinder", travels=["-46 mm", "0 mm"], bore="65 mm", ambient="1 bar", **load)
+    notes = [note for note in outlook(m).notes if "load gas" in note]
+    assert len(notes) == bool(words) and all(words in note for note in notes), notes

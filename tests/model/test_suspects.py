@@ -13,7 +13,7 @@ from vfife.errors import AssemblyError
 from vfife.model.drivers import Harmonic
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism
-from vfife.model.validation.plausibility import suspects
+from vfife.model.validation.plausibility import suspects, unconnected
 from vfife.model.wear import Wear
 from vfife.report.overview import cautions
 
@@ -112,13 +112,14 @@ def swinging(m: Mechanism) -> Mechanism:
     ],
 )
 def test_a_suspect_is_told(mechanism, words):
-    told = suspects(mechanism)
+    told = (*suspects(mechanism), *unconnected(mechanism))
     assert told and all(word in told[0] for word in words), told
 
 
 @pytest.mark.parametrize("name", gallery.__all__)
 def test_nothing_is_said_of_what_is_meant(name):
-    assert suspects(getattr(gallery, name)()) == ()
+    mechanism = getattr(gallery, name)()
+    assert suspects(mechanism) == unconnected(mechanism) == ()
 
 
 @pytest.mark.parametrize(("factor", "radius"), [(1e-6, "0.02887 mm"), (1e6, "2.887e+04 mm")])
@@ -511,10 +512,44 @@ def test_a_wear_coefficient_in_cubic_millimetres_is_told() -> None:
         (1e-5, 1.013, ("The pressure of load.gas never exceeds 8.4 Pa", "is it 8.4 bar?")),
         (1e-5, 0.0, ("The pressure of load.gas never exceeds 8.4 Pa", "is it 8.4 bar?")),
         (1.0, 1.013, ("load.gas.ambient is 1.013 Pa", "is it 1.013 bar?")),
-        (1.0, 0.0, ()),
+        (1.0, 0.0, ("The pressure of load.gas falls to 0.95 bar", "is it absolute?")),
+        (1.0, 1.013e5, ()),
     ],
 )
 def test_pressures_in_bar_without_their_unit_are_told(factor: float, ambient: float, words) -> None:
     model = gallery.compressor()
     found = suspects(pressed(model, ambient=ambient, **scaled(model, factor)))
     assert len(found) == bool(words) and all(word in found[0] for word in words)
+
+
+def test_a_second_moment_that_no_section_of_this_area_has_is_told() -> None:
+    m = gallery.lee_frame()
+    body = m.bodies["frame"]
+    m.bodies["frame"] = dataclasses.replace(
+        body, section=dataclasses.replace(body.section, second_moment=2e-4)
+    )
+    (told,) = suspects(m)
+    assert "radius of gyration of 577.4 mm, 23.6 times the root of the area" in told
+
+
+@pytest.mark.parametrize(
+    ("ambient", "lowest", "cautioned"),
+    [(0.0, 0.95e5, True), (1e5, 0.95e5, False), (0.0, 0.0, False), (0.0, 2e5, False)],
+)
+def test_an_absolute_pressure_without_an_ambient_one_is_told(
+    ambient: float, lowest: float, cautioned: bool
+) -> None:
+    m = gallery.compressor()
+    m.loads.clear()
+    m.guide_force(
+        "gas", "cylinder", travels=[-0.046, 0.0], pressure=[lowest, 8e5], bore=0.065, ambient=ambient,
+        reverse=True, zero_travel=0.123,
+    )  # fmt: skip
+    assert ["is it absolute?" in text for text in suspects(m)] == [True] * cautioned
+
+
+def test_a_stop_at_an_angle_of_many_turns_is_told() -> None:
+    m = linkage()
+    m.stop("bump", "crank", "coupler", low=0.1, high=170.0, stiffness=1.0)
+    (told,) = suspects(m)
+    assert "spring.bump.high is 170 rad, which is 27.1 turns" in told

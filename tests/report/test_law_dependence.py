@@ -26,12 +26,14 @@ from vfife.measures.turn_peaks import (
     shock_loads,
     turn_lanes,
 )
+from vfife.model.drivers import Torque
 from vfife.modelfile import load, loads
 from vfife.report.damping_cautions import (
     certain_shocks,
     comparison,
     damping_cautions,
     law_change,
+    law_words,
     load_words,
     raised_loads,
     shock_cautions,
@@ -238,6 +240,24 @@ def rocker(journals: str = "centred", clearance: str = "20 um") -> Result:
     text = ROCKER + PIN % ("B", "start", "crank") + PIN % ("C", "end", "rocker")
     changes = [("start.journals", journals), *((f"joint.{name}.clearance", clearance) for name in "BC")]
     return vfife.simulate(loads(text, set=changes), turns=8)
+
+
+def test_a_driven_run_without_an_ideal_mechanism_says_why_and_names_no_loads() -> None:
+    m = gallery_model("four_bar_case_b")
+    ideal = vfife.simulate(dataclasses.replace(m, settings=dataclasses.replace(m.settings, turns=0.05)))
+    assert ideal.summary["run"]["without_ideal"] == "" and "no comparison" not in str(
+        ideal.summary["warnings"]
+    )
+    m.drivers["crank"] = Torque(body="crank", value=100.0)
+    m.settings = dataclasses.replace(m.settings, turns=None, duration=2e-3)
+    summary = vfife.simulate(m).summary
+    assert summary["run"]["without_ideal"].startswith("no driver prescribes a motion")
+    [text] = [text for text in summary["warnings"] if text.startswith("There is no comparison")]
+    assert "vfife compare MODEL --contact lankarani-nikravesh" in text
+    lead = "The force of C depends more on the contact law than on the step"
+    assert law_words(["C"], [], []) == lead
+    end = "; which other loads do is not known without an ideal mechanism"
+    assert law_words(["C"], [], [], compared=False) == lead + end
 
 
 def test_loads_far_above_the_ideal_ones_are_named_where_contacts_never_end() -> None:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import vfife
+from vfife import gallery
 from vfife.assembly.assemble import assemble
 from vfife.laws import Material
 from vfife.model.bodies import Section
@@ -346,3 +347,13 @@ def test_an_analysis_that_goes_on_from_its_file_remembers_a_snap() -> None:
     rows = np.arange(len(other.state))
     other.restore(relaxation.state, rows, json.loads(json.dumps(relaxation.checkpoint)))
     assert other.snaps == [(0.5, 1.0)]
+
+
+@pytest.mark.parametrize("load", [2500.0, 5000.0, 7400.0])
+def test_a_frame_far_beyond_its_limit_load_snaps_in_a_single_load_step(load: float) -> None:
+    """Lee's frame, whose limit load is 1860 N, crosses its unstable part between two outputs."""
+    m = gallery.lee_frame()
+    del m.drivers["push"]
+    m.loads["push"] = PointForce(name="push", at="frame.load", force=(0.0, -load))
+    m.settings = dataclasses.replace(m.settings, load_factors=(1.0,))
+    assert equilibrium(assemble(m)).snaps == ((0.0, 1.0),)

@@ -86,7 +86,8 @@ class Assembly:
     ``contact_joints`` names the joint of each contact. ``shared`` are the reactions that redundant joints
     leave open, ``<joint>.force``, ``<joint>.moment`` and ``<driven body>.torque``: the result has those of
     least norm. ``companion_states``, shape (rows, companions), are the starts of the companions of a run that
-    goes on from a former one; None for companions that start as the run does.
+    goes on from a former one; None for companions that start as the run does. ``missing_joints`` are cautions
+    about joints that the model seems to lack, ``notes`` all others.
     """
 
     mechanism: Mechanism
@@ -103,6 +104,7 @@ class Assembly:
     contact_joints: tuple[str, ...] = ()
     mobility: Any = None
     notes: tuple[str, ...] = ()
+    missing_joints: tuple[str, ...] = ()
     shared: tuple[str, ...] = ()
     companion_states: NDArray[np.float64] | None = None
 

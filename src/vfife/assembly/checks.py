@@ -298,18 +298,19 @@ def shared(
 
 def off_angle(mechanism: Mechanism, motion: Motion) -> tuple[str, ...]:
     """Return a caution for each body that a torque turns and that does not start at the angle that the model
-    gives it. An angle of zero is the default, which nobody may have given.
+    gives it, or at zero, the default.
     """
     if mechanism.settings.analysis == "static":
         return ()
     sentences, grounded = [], motor_angles(mechanism)
     for body, angle in motor_angles(mechanism, relative=True).items():
         start = float(motion.of(body)[0][2])
-        if angle and abs(start - angle) > OFF_ANGLE:
+        if abs(start - angle) > OFF_ANGLE:
             place, angle_text = different_numbers(start / DEGREE, angle / DEGREE)
+            origin = "the model says" if angle else "its angle is (0 is the default)"
             cause = "the joints do not close there" if body in grounded else "it moved to close the joints"
             sentences.append(
-                f"{body} starts at {place} deg, the model says {angle_text} deg: its driver is a torque,"
+                f"{body} starts at {place} deg, {origin} {angle_text} deg: its driver is a torque,"
                 f" and {cause}. Correct this angle, those of the other bodies, or the lengths."
             )
     return tuple(sentences)

@@ -6,39 +6,31 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-
-import numpy as np
 
 from ..errors import AssemblyError, VfifeError
 from ..kinematics.batch import Structures
 from ..kinematics.drives import constraint_drivers, kinematic_drivers, spinless
 from ..kinematics.forces import driven_body
 from ..kinematics.full_turn import FullTurn, full_turns
-from ..kinematics.initial import Motion, attempt, ideal_motion, ideal_motions
+from ..kinematics.initial import Motion, attempt, ideal_motions
 from ..kinematics.linalg import DENSE
-from ..kinematics.mobility import MOVES, FreeMotions
 from ..kinematics.passage import Jam, Singular, passage, unclosed
 from ..kinematics.stroke import stroke_cautions
 from ..kinematics.table_peak import misplaced_peaks
-from ..model.bodies import Frame, Link, PointMass
+from ..model.bodies import Frame, Link
 from ..model.functions import turn_of
 from ..model.mechanism import Mechanism, Settings
-from ..model.rows import Coincide, place_row
-from ..model.validation.checks import connections, used_pins
-from ..model.validation.magnitudes import extents_of
-from ..model.validation.plausibility import suspect_connections, suspect_sizes, suspects, unconnected
+from ..model.validation.plausibility import suspects
 from ..modelfile import dump
-from ..numerics.scalar import distance
+from .missing_joints import missing_joints
 from .timestep import length_of
 
 STRETCH = 0.01  # of the length of the two-particle links of a loop: more is beyond any metal
 LARGE_ANGLE = math.radians(50.0)  # from an approximate angle, to close
 MOST_LENGTHS = 3
 MOST_PLACES = 4
-CLOSENESS = 0.01  # of the largest body: pins so close at the start may be meant as one
 # motions whose outlook is kept: to follow one takes longer than to assemble it, and commands ask several
 # times
 CACHE_SIZE = 64
@@ -46,8 +38,8 @@ CACHE_SIZE = 64
 
 @dataclass(frozen=True)
 class Outlook:
-    """What the ideal mechanism makes of a motion: ``notes`` for people, and whether it ``passes``, so that a
-    reference can be run.
+    """What the ideal mechanism makes of a motion: ``notes`` for people, cautions about ``missing_joints``,
+    and whether it ``passes``, so that a reference can be run.
 
     ``motion`` is the start that was solved for that, ``turn`` the turn of its crank, or of that of the
     neighbour, where one was looked at as a whole.
@@ -57,6 +49,12 @@ class Outlook:
     passes: bool = True
     motion: Motion | None = None
     turn: FullTurn | None = None
+    missing_joints: tuple[str, ...] = ()
+
+    @property
+    def cautions(self) -> tuple[str, ...]:
+        """All sentences, those about missing joints first."""
+        return *self.missing_joints, *self.notes
 
 
 CACHE: OrderedDict[tuple[str, float], Outlook] = OrderedDict()
@@ -106,48 +104,19 @@ def outlooks(
     answers: list[Outlook | VfifeError] = []
     for k, mechanism in enumerate(mechanisms):
         if k in clear:
-            notes = (*_suspects(structures, mechanism), *_missing(structures, mechanism, solved[k]))
-            notes += (*turned(mechanism, solved[k]), *strokes.get(k, ()))
+            notes = (*suspects(mechanism), *turned(mechanism, solved[k]), *strokes.get(k, ()))
             notes += misplaced_peaks(*cases[k]) if k in cases else ()
-            answers.append(Outlook(notes, True, solved[k], clear[k]))
+            missing = missing_joints(mechanism, solved[k], structures)
+            answers.append(Outlook(notes, True, solved[k], clear[k], missing))
         elif k in motions:
             followed_outlook = attempt(_followed_once, mechanism, turns, duration, motions[k])
             if isinstance(followed_outlook, Outlook) and neighbour.turn is not None:
                 followed_outlook = replace(followed_outlook, turn=neighbour.turn)
             answers.append(followed_outlook)
         else:
-            answers.append(Outlook((*suspects(mechanism), *_missing(structures, mechanism))))
+            notes = suspects(mechanism)
+            answers.append(Outlook(notes, missing_joints=missing_joints(mechanism, structures=structures)))
     return answers
-
-
-def _suspects(structures: Structures, mechanism: Mechanism) -> tuple[str, ...]:
-    """Return cautions about a mechanism; those about connections are those of mechanisms like it."""
-    # Whether a load has a size follows from the numbers of loads and joints.
-    objects, key = (mechanism.loads, mechanism.joints), structures.mechanism(mechanism)
-    return (
-        *suspect_sizes(mechanism),
-        *structures.shared.recall(key, objects, partial(suspect_connections, mechanism)),
-    )
-
-
-def joint_cautions(mechanism: Mechanism) -> tuple[str, ...]:
-    """Return the caution about missing joints of a mechanism that may have no start; see
-    :func:`missing_joints`.
-    """
-    return _missing(Structures(), mechanism)
-
-
-def _missing(structures: Structures, mechanism: Mechanism, motion: Motion | None = None) -> tuple[str, ...]:
-    """Return the caution about missing joints, from the ``motion`` of the start."""
-
-    def cautions() -> tuple[str, ...]:
-        if mechanism.settings.analysis == "static" or not 1 < len(mechanism.bodies) <= DENSE // 3:
-            return ()
-        start = motion or attempt(ideal_motion, mechanism)
-        return missing_joints(mechanism, start) if isinstance(start, Motion) else ()
-
-    key = "missing", structures.mechanism(mechanism)
-    return structures.shared.recall(key, (mechanism.loads, mechanism.joints), cautions)
 
 
 def _followed_once(
@@ -184,21 +153,22 @@ def _key(mechanism: Mechanism, length: float) -> tuple[str, float] | None:
 
 def _followed(mechanism: Mechanism, length: float, motion: Motion | VfifeError) -> Outlook:
     """Follow a mechanism for ``length`` (s) from the motion of its start, and return the outlook."""
-    doubts = suspects(mechanism)
+    notes, missing = suspects(mechanism), missing_joints(mechanism, motion)
+    doubts = (*missing, *notes)
     if isinstance(motion, AssemblyError) and motion.gaps:
         lengths = _lengths(unclosed(mechanism, motion, length))
         remedy = f". One length that would work: {lengths}" if lengths else ""
         as_it_is = "As it is, " if doubts else ""
         raise AssemblyError(" ".join((*doubts, f"{as_it_is}{motion}{remedy}")), motion.joints, motion.gaps)
     if isinstance(motion, VfifeError):
-        return Outlook(doubts)  # told where the run is assembled
-    notes = (*doubts, *missing_joints(mechanism, motion), *turned(mechanism, motion))
+        return Outlook(notes, missing_joints=missing)  # told where the run is assembled
+    notes = (*notes, *turned(mechanism, motion))
     jam, passed = passage(
         mechanism, max(length, turn_of(mechanism) or 0.0), motion
     )  # the reference takes a whole turn
     notes = (*notes, *singular(mechanism, tuple(position for position in passed if position.time <= length)))
     if jam is None or jam.time > length:
-        return Outlook(notes, jam is None, motion)
+        return Outlook(notes, jam is None, motion, missing_joints=missing)
     bridge = bridged(mechanism, jam)
     if bridge is None:
         raise AssemblyError(" ".join((*doubts, refused(mechanism, jam))), jam.joints)
@@ -206,6 +176,7 @@ def _followed(mechanism: Mechanism, length: float, motion: Motion | VfifeError) 
         (*notes, f"{jammed(mechanism, jam)}. {bridge} There is no ideal motion to compare with."),
         False,
         motion,
+        missing_joints=missing,
     )
 
 
@@ -230,107 +201,6 @@ def _moves_alike(first: Motion, second: Motion) -> bool:
         a.geometry == b.geometry for a, b in constraints
     )
     return alike and (driven or first.mechanism.drivers == second.mechanism.drivers)
-
-
-def missing_joints(mechanism: Mechanism, motion: Motion) -> tuple[str, ...]:
-    """Return a caution where drivers leave motions and a joint seems to be missing: nothing acts in them, a
-    pin that is joined to nothing lies beside another, or nothing that is driven leads there.
-
-    Mechanisms with fewer drivers than freedoms are meant where weight, loads or springs move the rest, as of
-    pendulums on a crank. ``motion`` is that of the start. Nothing is said where :func:`unconnected` finds the
-    joint.
-    """
-    freedom = FreeMotions(mechanism, motion.system, motion.position, motion.hand)
-    if unconnected(mechanism) or motion.mobility.blocked or not len(freedom.motions):
-        return ()
-    moved, pair = freedom.moved(freedom.motions), _neighbours(freedom)
-    idle = freedom.moved(freedom.idle) if mechanism.drivers else []
-    open_pins = _open_pins(mechanism)
-    if not (pair or idle or (mechanism.drivers and _without_lead(freedom, moved, open_pins))):
-        return ()
-    causes = [f"no load, spring or weight acts on {_listed(idle)} there"] if idle else []
-    remedy = "Is a joint forgotten?"
-    ends = [pin for pin, is_end in open_pins.items() if is_end]
-    if pair:
-        first, second, away = pair
-        causes.append(f"{first} is joined to nothing and lies {1e3 * round(away, 8):.3g} mm from {second}")
-        remedy = f"Is a joint between {second} and {first} forgotten?"
-    elif ends:
-        causes.append(f"{_listed(ends)} {'is' if len(ends) == 1 else 'are'} joined to nothing")
-    subject = "The drivers leave" if mechanism.drivers else "The mechanism has"
-    degrees = "1 degree" if len(freedom.motions) == 1 else f"{len(freedom.motions)} degrees"
-    detail = f": {'; '.join(causes)}" if causes else ""
-    return (f"{subject} {degrees} of freedom, in which {_listed(moved)} can move{detail}. {remedy}",)
-
-
-def _listed(names: Sequence[str]) -> str:
-    return " and ".join(part for part in (", ".join(names[:-1]), names[-1]) if part)
-
-
-def _open_pins(mechanism: Mechanism) -> dict[str, bool]:
-    """Return the pins without joint, load and mass, and whether each is an end of a link."""
-    used, result = used_pins(mechanism), {}
-    for name, body in mechanism.bodies.items():
-        masses = getattr(body, "masses", None) or {}
-        pins = () if isinstance(body, Frame | PointMass) else body.points
-        for pin in pins:
-            end = isinstance(body, Link) and pin in body.own_points
-            heavy = pin in masses or (end and getattr(body, f"{pin}_mass"))
-            if f"{name}.{pin}" not in used and not heavy and pin != "center":
-                result[f"{name}.{pin}"] = end
-    return result
-
-
-def _neighbours(freedom: FreeMotions) -> tuple[str, str, float] | None:
-    """Return a pin that is joined to nothing, the pin beside it at the start that can move away from it, and
-    their distance (m). Without drivers these are ends of links, which no joint connects.
-    """
-    mechanism, driven = freedom.mechanism, bool(freedom.mechanism.drivers)
-    pinned = {
-        end for joint in mechanism.joints.values() if isinstance(place_row(joint.rows()), Coincide)
-        for end in (joint.bearing, joint.journal)
-    }  # fmt: skip
-    joined = {frozenset(end.partition(".")[0] for end in pair) for pair in connections(mechanism)}
-    sides = [("ground", name) for name in mechanism.points]
-    sides += [(name, pin) for name, body in mechanism.bodies.items() for pin in body.points]
-    near, pairs = CLOSENESS * max(extents_of(mechanism), default=0.0), []
-    for pin, is_end in _open_pins(mechanism).items():
-        owner, _, name = pin.partition(".")
-        for side in sides:
-            intended = {owner, side[0]} in joined or (side[0] == "ground" and ".".join(side) in pinned)
-            if side[0] == owner or not (driven or (is_end and not intended)):
-                continue
-            away = distance(freedom.place((owner, name)), freedom.place(side))
-            parting = np.abs(freedom.speeds((owner, name)) - freedom.speeds(side)).max()
-            if away <= near and parting > MOVES:
-                pairs.append((away, pin, ".".join(side)))
-    if not pairs:
-        return None
-    away, pin, neighbour = min(pairs)
-    return pin, neighbour, away
-
-
-def _without_lead(freedom: FreeMotions, moved: Sequence[str], open_pins: Mapping[str, bool]) -> bool:
-    """Return whether bodies that drivers leave free, and that no spring holds, are joined to nothing that is
-    driven, or to each other in a loop, while a pin is joined to nothing; or whether an end of a driven link
-    is joined to nothing. A crank that moves no other body, such as the clock of a load, is meant.
-    """
-    mechanism = freedom.mechanism
-    pairs = [{end.partition(".")[0] for end in pair} for pair in connections(mechanism)]
-    linked = {body for pair in pairs if "ground" not in pair for body in pair}
-    owners = {pin.partition(".")[0] for pin, is_end in open_pins.items() if is_end} & linked
-    sprung = {
-        end.partition(".")[0]
-        for spring in mechanism.springs.values()
-        for end in (spring.first, spring.second)
-    }
-    sprung |= {body for joint in mechanism.joints.values() if not joint.rows() for body, _ in joint.sides}
-    return bool(owners - set(moved)) or any(
-        (owners - group.bodies and not group.led)
-        or (group.looped and any(pin.partition(".")[0] in group.bodies for pin in open_pins))
-        for group in freedom.groups
-        if not group.bodies & sprung
-    )
 
 
 def refused(mechanism: Mechanism, jam: Jam) -> str:

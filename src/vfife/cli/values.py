@@ -122,9 +122,9 @@ def mechanism_of(options: ModelOptions) -> Mechanism:
 
 def tell_cautions(mechanism: Mechanism) -> None:
     """Print the cautions about the numbers and connections of a mechanism on standard error."""
-    from ..assembly.possible import joint_cautions
+    from ..assembly.missing_joints import missing_joints
     from ..model.validation.plausibility import contradictions, suspects
 
-    for caution in (*suspects(mechanism), *joint_cautions(mechanism), *contradictions(mechanism)):
+    for caution in (*missing_joints(mechanism), *suspects(mechanism), *contradictions(mechanism)):
         tell("warning", caution)
         ENDING.cautions.append(caution)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
@@ -101,7 +102,7 @@ def stroke_cautions(
     cases: Mapping[int, tuple[Mechanism, Motion, FullTurn]], structures: Structures
 ) -> dict[int, tuple[str, ...]]:
     """Return, for each case, a sentence on each load whose two strokes have different values where the slider
-    reverses.
+    reverses, whose table the slider does not reach, or whose pressure grows with the volume.
     """
     numbers = list(cases)
     result: dict[int, tuple[str, ...]] = dict.fromkeys(cases, ())
@@ -113,7 +114,9 @@ def stroke_cautions(
             if load.axis == "travels" and guide_of(batch.first, load.slider) is not None:
                 ends = strokes(batch, motions, turns, load.slider)
                 for k, low, high in zip(members, *ends, strict=True):
-                    result[k] += tuple(_jumps(name, cases[k][0].loads[name], low, high))
+                    load = cases[k][0].loads[name]
+                    low, high = low - load.zero_travel, high - load.zero_travel
+                    result[k] += (*_jumps(name, load, low, high), *_misplaced(name, load, low, high))
     return result
 
 
@@ -121,7 +124,6 @@ def _jumps(name: str, load: Load, low: float, high: float) -> Iterator[str]:
     """Yield a sentence on a load with different values of its two strokes at the ends of a slider's travel
     (m).
     """
-    low, high = low - load.zero_travel, high - load.zero_travel
     jumps = [
         f"at {1e3 * place:.4g} mm from {out:.4g} to {back:.4g}"
         for place in (low, high)
@@ -134,3 +136,26 @@ def _jumps(name: str, load: Load, low: float, high: float) -> Iterator[str]:
             f" from {1e3 * low:.4g} to {1e3 * high:.4g} mm of the table. At these two places both strokes"
             " should have the same load: adapt travels and zero_travel to the stroke."
         )
+
+
+def _misplaced(name: str, load: Load, low: float, high: float) -> Iterator[str]:
+    """Yield a sentence on a load whose table covers no part of a slider's travel (m), or on a pressure that
+    is larger at the end to which it pushes, where its cylinder is largest.
+    """
+    first, last = load.places[0], load.places[-1]
+    if low >= last or high <= first:
+        start, end = (f"{round(1e3 * place, 6):.4g}" for place in (low, high))
+        yield (
+            f"The slider of load {name} moves from {start} to {end} mm of the table, which covers"
+            f" {1e3 * first:.4g} to {1e3 * last:.4g} mm: the load keeps one value. Check zero_travel, the"
+            " units of travels and the start position."
+        )
+    elif load.measured[0] == "Pa":
+        at_low, at_high = (sum(load.strokes_at(place)) / 2.0 for place in (low, high))
+        if math.copysign(1.0, load.unit) * (at_high - at_low) > JUMP * load.largest:
+            end = f"{round(1e3 * (high if load.unit > 0.0 else low), 6):.4g}"
+            yield (
+                f"The pressure of load {name} is larger at {end} mm of the table, to which it pushes"
+                f" {load.slider}, than at the other end: a gas has its largest pressure where its volume is"
+                " least. Is reverse wrong, or the table turned?"
+            )

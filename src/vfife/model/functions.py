@@ -116,6 +116,14 @@ def _ratio(value: float) -> Fraction:
     return ratio if abs(ratio - Fraction(value)) <= SAME_RATIO * abs(ratio) else Fraction(value)
 
 
+def without_ideal(mechanism: Mechanism) -> str:
+    """Return why no ideal mechanism can be compared turn by turn with a mechanism; "" if there is one."""
+    if not any(driver.moves for driver in mechanism.drivers.values()):
+        return "no driver prescribes a motion, and with ideal joints the mechanism would move in another way"
+    names = [name for name, joint in mechanism.joints.items() if joint.reference is None]
+    return f"an ideal mechanism has no joint for {', '.join(names)}" if names else ""
+
+
 def crank_faults(
     mechanism: Mechanism, consequence: str, remedy: str = "drive a body with a speed"
 ) -> list[Fault]:

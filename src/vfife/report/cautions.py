@@ -20,12 +20,13 @@ from ..measures.statics import SNAP, displacement, first_leap
 from ..measures.trust import OPEN
 from ..measures.turns import full_run
 from ..measures.whirl import backward_whirls
-from ..model.functions import crank_of, cycle_of, turn_of
+from ..model.functions import crank_of, cycle_of, turn_of, without_ideal
 from ..model.surfaces import cautions, law_facts, remarks, surfaces
 from ..model.validation.plausibility import clearances_at_rest, suspect_surfaces
 from ..solvers.status import Status
 from .damping_cautions import (
     certain_shocks,
+    comparison,
     damping_cautions,
     load_cautions,
     load_words,
@@ -43,7 +44,6 @@ if TYPE_CHECKING:
     from ..results.run_data import RunData
     from ..solvers.record import Record
 
-MISSING = "forgotten?"  # ends notes on missing joints, which come first
 PIN = 0.1  # of the journal's radius: a pin that sinks in deeper has lost its shape
 SOFTER = (
     "a limit load may have been passed, or the structure became softer, which load factors so far apart do"
@@ -90,7 +90,7 @@ def transient_cautions(result: RunData, verdict: str, of_laws: Iterable[str]) ->
     """
     record, choice, measures = result.record, result.record.assembly.choice, result.measures
     yield from damage(result)
-    yield from (note for note in record.assembly.notes if note.endswith(MISSING))
+    yield from record.assembly.missing_joints
     yield from suspect_surfaces(record.assembly.mechanism)
     if record.status != Status.COMPLETE:
         sentence = STATUS.get(record.status, f"The run is {record.status}.")
@@ -128,6 +128,18 @@ def transient_cautions(result: RunData, verdict: str, of_laws: Iterable[str]) ->
     if (share := open_share(record, result.ledger)) > OPEN:
         remedy = FLOOR if own_floor(record) else "take a smaller step and see whether it closes"
         yield f"The energy ledger is open by {100.0 * share:.2g} % of the largest energy: {remedy}."
+    yield from comparison_cautions(record)
+
+
+def comparison_cautions(record: Record) -> Iterator[str]:
+    """Yield a sentence on why a driven run with contacts has no ideal mechanism to compare with."""
+    mechanism = record.assembly.mechanism
+    driven = mechanism.drivers and record.assembly.contacts
+    if driven and (reason := without_ideal(mechanism)):
+        yield (
+            f"There is no comparison with ideal joints: {reason}. Which loads the contact law raises is not"
+            f" known: {comparison(mechanism, mechanism.contacts)}."
+        )
 
 
 def rest_cautions(record: Record) -> Iterator[str]:
@@ -177,6 +189,7 @@ def static_cautions(result: RunData) -> Iterator[str]:
         yield record.message
     elif record.status != Status.COMPLETE:
         yield f"The analysis is {record.status}: it reached only the load factors listed here."
+    yield from record.assembly.missing_joints
     if coarse := static_verdict(result):
         yield coarse
     yield from suspect_surfaces(record.assembly.mechanism)

@@ -162,10 +162,14 @@ def load_words(loads: Iterable[str]) -> list[str]:
     return [word.strip() for word in words]
 
 
-def law_words(dependent: Collection[str], shocks: Collection[str], loads: Iterable[str]) -> str:
+def law_words(
+    dependent: Collection[str], shocks: Collection[str], loads: Iterable[str], compared: bool = True
+) -> str:
     """Return which forces the contact law decides: of the joints ``dependent`` more than the step does, of
-    ``shocks`` as the step does, and of all ``loads`` that these shocks make.
+    ``shocks`` as the step does, and of all ``loads`` that these shocks make; these are not known where the
+    run is not ``compared`` with an ideal mechanism.
     """
+    open_end = "" if compared else "; which other loads do is not known without an ideal mechanism"
     plural = len(dependent) + len(shocks) > 1
     passed = ", ".join(load_words(loads))
     loaded = [f"all that {'they load' if plural else 'it loads'} ({passed})"] * bool(passed)
@@ -177,7 +181,8 @@ def law_words(dependent: Collection[str], shocks: Collection[str], loads: Iterab
     do = "does" if len(rest) == 1 and len(shocks) < 2 else "do"
     too = f", and so {do} {' and '.join(rest)}" * bool(rest)
     force, depend = ("forces", "depend") if len(dependent) > 1 else ("force", "depends")
-    return f"The {force} of {', '.join(dependent)} {depend} more on the contact law than on the step{too}"
+    lead = f"The {force} of {', '.join(dependent)} {depend} more on the contact law than on the step"
+    return f"{lead}{too}{open_end}"
 
 
 def comparison(mechanism: Mechanism, joints: Iterable[str]) -> str:

@@ -251,8 +251,7 @@ def law_sentence(summary: Json) -> str:
     """Return which forces the contact law decides, with the numbers of the cautions that explain it; "" for
     none.
     """
-    keys = ("law_dependent", "law_shocks", "law_loads")
-    dependent, shocks, loads = (summary.get(key) or {} for key in keys)
+    dependent, shocks, loads = (summary.get(f"law_{key}") or {} for key in ("dependent", "shocks", "loads"))
     if not (dependent or shocks) or summary["status"] in FAILURES:
         return ""
     texts = list(cautions(summary))
@@ -261,7 +260,8 @@ def law_sentence(summary: Json) -> str:
     *first, last = map(str, numbers)
     listed = f"caution{'s' * bool(first)} {', '.join(first)}{' and ' * bool(first)}{last}"
     left = " (--long)" if numbers[-1] > MOST_CAUTIONS else ""
-    return f"{law_words(dependent, shocks, loads)}: see {listed}{left}."
+    compared = not summary["run"].get("without_ideal")
+    return f"{law_words(dependent, shocks, loads, compared)}: see {listed}{left}."
 
 
 def _certainty(summary: Json) -> str:

@@ -21,6 +21,7 @@ from ..measures.values import Measured, lips
 from ..measures.wear import SIDES
 from ..measures.zero_limits import about_zero
 from ..model.bodies import Link
+from ..model.functions import without_ideal
 from ..model.joints import Contact
 from ..model.surfaces import body_of, law_facts, surface_facts, surfaces
 from ..model.validation.plausibility import clearances_at_rest, suspect_surfaces
@@ -28,7 +29,6 @@ from ..model.wear import deepest
 from ..solvers.record import Record
 from ..solvers.refinement import worth_other_meshes, worth_refining
 from .cautions import (
-    MISSING,
     fall_caution,
     fall_of,
     largest_by_joint,
@@ -265,14 +265,11 @@ def _transient_run(result: RunData) -> Json:
         "outputs": len(record.steps),
         "automatic": choice.automatic,
         "long": not worth_refining(record.assembly),
+        **({"without_ideal": without_ideal(mechanism)} if record.assembly.contacts else {}),
         "stable_step": choice.stable if choice.stable < float("inf") else None,
         "set_by": choice.culprit,
         **({"steps_planned": choice.steps} if record.status == "interrupted" else {}),
-        "notes": [
-            note
-            for note in record.assembly.notes
-            if note not in _leading_notes(mechanism) and not note.endswith(MISSING)
-        ],
+        "notes": [note for note in record.assembly.notes if note not in _leading_notes(mechanism)],
         **({"reached": reached} if choice.turn is None and (reached := _reached_speeds(record)) else {}),
     }
 

@@ -42,7 +42,7 @@ from ..solvers.repeating import turn_grid
 from ..solvers.status import Status
 from ..store.runfile import RunFile
 
-NAMES = ("contacts", "ideals", "pivots", "springs", "contact_joints", "notes", "shared")
+NAMES = ("contacts", "ideals", "pivots", "springs", "contact_joints", "notes", "missing_joints", "shared")
 # Fields of a topology that follow from the laws of the model.
 OF_LAWS = ("contact_laws", "friction_laws", "contact_form", "friction_form")
 

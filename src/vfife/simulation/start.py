@@ -19,7 +19,7 @@ from ..kinematics.initial import Motion
 from ..measures.catalogue import LOADS
 from ..measures.error_ranges import own_ranges
 from ..measures.trust import trust
-from ..model.functions import repeats_each_turn
+from ..model.functions import repeats_each_turn, without_ideal
 from ..model.mechanism import Mechanism
 from ..results.continuation import (
     States,
@@ -66,13 +66,8 @@ def comparable(mechanism: Mechanism) -> bool:
     """Return whether there is an ideal mechanism for comparison turn by turn: clearance, a driver, and an
     ideal counterpart of every joint.
     """
-    if (
-        mechanism.settings.analysis == "static"
-        or not mechanism.contacts
-        or not any(driver.moves for driver in mechanism.drivers.values())
-    ):
-        return False
-    return all(joint.reference is not None for joint in mechanism.joints.values())
+    dynamic = mechanism.settings.analysis != "static"
+    return dynamic and bool(mechanism.contacts) and not without_ideal(mechanism)
 
 
 def ideal_of(
@@ -259,6 +254,12 @@ def former_errors(former: Result, assembly: Assembly) -> dict[str, Any]:
     return {**worst, "included": False}
 
 
+def with_outlook(assembly: Assembly, prospect: Outlook) -> Assembly:
+    """Return an assembly with the notes and cautions of the outlook of its motion."""
+    notes = (*assembly.notes, *prospect.notes)
+    return dataclasses.replace(assembly, notes=notes, missing_joints=prospect.missing_joints)
+
+
 @dataclass(frozen=True)
 class RunStart:
     """Start and length of a run: everything but the step.
@@ -284,7 +285,7 @@ class RunStart:
             motion=self.outlook.motion,
             **self.length,
         )
-        return dataclasses.replace(assembly, notes=(*assembly.notes, *self.outlook.notes))
+        return with_outlook(assembly, self.outlook)
 
     def first(self, step: float | str | None, loop: Loop, companions: int | str) -> Assembly:
         """Return the first try: with the given step, else that of the former run, else an automatic one.
@@ -324,7 +325,7 @@ class StaticStart:
         """Return the assembled mechanism, with the cautions of a dynamic run about its numbers."""
         del step
         assembly = assemble(self.mechanism)
-        return dataclasses.replace(assembly, notes=(*assembly.notes, *outlook(self.mechanism).notes))
+        return with_outlook(assembly, outlook(self.mechanism))
 
 
 @dataclass(frozen=True)

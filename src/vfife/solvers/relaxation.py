@@ -225,8 +225,8 @@ LOOKS, ANGLE = 4, 0.4
 # Iterations between two outputs: fewest, most, and most if contacts may begin, whose stiffness is not known
 # before.
 SHORTEST, LONGEST, LONGEST_BEFORE_CONTACT = 8, 4000, 50
-# Iterations between two outputs up to which each iteration is looked at: a stiff mechanism snaps through in
-# fewer.
+# Places at least on the way between two outputs, or every iteration: under far more than its limit load, and
+# if it is stiff, a structure snaps through between two outputs.
 CLOSE = 64
 # Factor by which masses may be too small, OMEGA being 3.6 of 4, before a chunk is repeated with larger ones.
 TOO_LIGHT = 1.1
@@ -401,7 +401,8 @@ class Relaxation:
         """
         while True:
             start = self.state.copy()
-            interval = 1 if self.between <= CLOSE else self.between
+            coarsest = max(1, self.between // CLOSE)
+            interval = max(count for count in range(1, coarsest + 1) if self.between % count == 0)
             rows = self.pace.advance(self.runner, interval, LOOKS * self.between // interval)[:, :, 0]
             self.iterations += LOOKS * self.between
             path = rows[:, : 3 * len(self.places)].reshape(len(rows), 3, -1)

@@ -80,7 +80,7 @@ def examine(options: CheckOptions) -> dict[str, Any]:
         "repeated": refined,
         "estimate": dataclasses.asdict(cost) | {"asks_for_yes": cost.forecast(choice.steps).excess(Path())},
         "defaults": defaults_of(reader, lengths(options)),
-        "notes": [*assembly.notes, *facts.outlook.notes, *unused_materials(reader)],
+        "notes": [*assembly.notes, *facts.outlook.cautions, *unused_materials(reader)],
         "law_facts": list(law_facts(mechanism)),
         "surface_facts": list(surface_facts(mechanism)),
         **({"laws": compared_laws(mechanism)} if options.laws else {}),

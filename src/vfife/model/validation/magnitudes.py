@@ -45,6 +45,8 @@ COINCIDENT = 1e-6  # of the size of the mechanism: places closer together are on
 # Numbers that are no places or sizes of the parts: another rule compares them.
 OTHER_LENGTHS = "clearance", "axial_length", "landing_depth", "bearing_radius", "radius", "centre"
 SLIM = 20_000.0  # times the radius of gyration of a section, lengths of links; wires have 1,000
+# Times the root of the area, radii of gyration; a tube with a wall of a thousandth of its diameter has 6.
+HOLLOW = 10.0
 DEEP = 20.0  # times that radius, the distance of the outermost fibre: a rectangle has 1.7
 SHALLOW = 0.9  # times that radius; no section has less than 1
 SUNK = 0.1  # of the radius of a bearing, the last penetration of a measured law
@@ -287,6 +289,12 @@ def _suspect_section(path: str, section: Section, length: float) -> Iterator[str
         yield (
             f"{path} is {width:.4g} m wide or deep, and its body is {1e3 * length:.4g} mm long: check the"
             " units of the section. Numbers without a unit are metres."
+        )
+    elif gyration > HOLLOW * math.sqrt(section.area):
+        yield (
+            f"{path}: area and second moment make a radius of gyration of {1e3 * gyration:.4g} mm,"
+            f" {gyration / math.sqrt(section.area):.3g} times the root of the area, and of thin tubes it is"
+            " below 6: check the units of both."
         )
     elif length > SLIM * gyration:
         yield (

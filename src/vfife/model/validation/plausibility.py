@@ -29,11 +29,19 @@ if TYPE_CHECKING:
     from ..loads import Load
     from ..mechanism import Mechanism
 
-ANGLES = "angle", "zero_angle", "amplitude", "phase"  # keys of angles that a turn is enough for
+ANGLES = (
+    "angle",
+    "zero_angle",
+    "amplitude",
+    "phase",
+    "low",
+    "high",
+)  # keys of angles that a turn is enough for
 LEAST_OFFSET = 1e-6  # of a clearance: less is rounding of a place in the middle
 HIGH_FRICTION = 2.0  # rubber on dry concrete has about 1
 VACUUM = 0.2  # of the ambient pressure
 NEAR_VACUUM = 0.01  # of the ambient pressure: 10 mbar, which no piston reaches
+ATMOSPHERE = 0.9e5, 1.05e5  # Pa, absolute pressures at the suction of compressors and engines
 FAINT = 1e3  # Pa, below all pressures of machines; numbers of bar and MPa are
 SEVERE_WEAR = 3e-11  # 1/Pa: K = 7e-3 over 0.3 GPa; numbers of mm^3/(N m) are above
 # Times what accelerates masses to the highest speed of a motor's curve within a radian and moves all loads:
@@ -46,12 +54,7 @@ USUAL_SPEED = 314.0  # rad/s, of a motor whose torque has no speeds: 3,000 rpm
 
 
 def suspects(mechanism: Mechanism) -> tuple[str, ...]:
-    """Return cautions about a valid mechanism, with the likely cause."""
-    return (*suspect_sizes(mechanism), *suspect_connections(mechanism))
-
-
-def suspect_sizes(mechanism: Mechanism) -> tuple[str, ...]:
-    """Return cautions about numbers."""
+    """Return cautions about the numbers of a valid mechanism, with the likely cause."""
     return (
         *suspect_lengths(mechanism),
         *suspect_inertias(mechanism),
@@ -70,17 +73,13 @@ def suspect_sizes(mechanism: Mechanism) -> tuple[str, ...]:
         *_masses(mechanism),
         *suspect_velocities(mechanism),
         *suspect_constants(mechanism),
+        *_idle(mechanism),
     )
 
 
 def suspect_surfaces(mechanism: Mechanism) -> tuple[str, ...]:
     """Return cautions about radii and clearances of joints, which decide every force."""
     return (*suspect_radii(mechanism), *_clearances(mechanism))
-
-
-def suspect_connections(mechanism: Mechanism) -> tuple[str, ...]:
-    """Return cautions about what is connected; they depend on numbers only where these are zero."""
-    return (*unconnected(mechanism), *_idle(mechanism))
 
 
 def unconnected(mechanism: Mechanism) -> tuple[str, ...]:
@@ -158,6 +157,11 @@ def _pressures(mechanism: Mechanism) -> Iterator[str]:
             yield (
                 f"The pressure of load.{name} never exceeds {largest:.4g} Pa, below the pressures of"
                 f" machines: is it {largest:.4g} bar? Numbers without a unit are Pa."
+            )
+        elif not load.ambient_pressure and ATMOSPHERE[0] <= lowest <= ATMOSPHERE[1] < 0.5 * highest:
+            yield (
+                f"The pressure of load.{name} falls to {1e-5 * lowest:.3g} bar, like that of a cylinder open"
+                " to the air, and no ambient pressure is subtracted: is it absolute? Then set ambient."
             )
         elif load.ambient_pressure > 0.0:
             yield from _suspect_pressure(name, load.ambient_pressure, lowest, highest)
@@ -294,7 +298,7 @@ def _angles(mechanism: Mechanism) -> Iterator[str]:
     """Caution about angles of more than a turn, which may be in degrees."""
     sections: dict[str, Mapping[str, Any]] = {
         "body": mechanism.bodies, "joint": mechanism.joints, "driver": mechanism.drivers,
-        "load": mechanism.loads,
+        "load": mechanism.loads, "spring": mechanism.springs,
     }  # fmt: skip
     values = {
         f"{section}.{name}.{key}": value
@@ -397,8 +401,12 @@ def _loose(mechanism: Mechanism) -> Iterator[str]:
 
 
 def _open(mechanism: Mechanism) -> Iterator[str]:
-    """Caution about chains with a free end, if a point of the ground or another end is free too."""
+    """Caution about chains with a free end, if a point of the ground or another end is free too; not about
+    two bodies that are both joined to the ground, such as a pendulum and the crank that is its clock.
+    """
     used = used_pins(mechanism)
+    pairs = [{pin.partition(".")[0] for pin in pair} for pair in connections(mechanism)]
+    grounded = {name for pair in pairs if "ground" in pair for name in pair}
     bodies = {pin.partition(".")[0] for pin in used}
     ends = [
         f"{name}.{end}"
@@ -409,7 +417,8 @@ def _open(mechanism: Mechanism) -> Iterator[str]:
     ]
     driven = any(driver.moves for driver in mechanism.drivers.values())
     points = [f"ground.{name}" for name in mechanism.points if f"ground.{name}" not in used]
-    if ends and (points or (driven and len(ends) > 1)):
+    chained = any(end.partition(".")[0] not in grounded for end in ends)
+    if ends and (points or (driven and chained and len(ends) > 1)):
         waiting = f", and {' and '.join(points)} by nothing used" if points else ""
         partner = points[0] if points else ends[1]
         yield (
