@@ -60,6 +60,8 @@ from .answer import (
 from .sample import (
     AROUND,
     CLEARANCE_SPREAD,
+    EVEN_MACHINES,
+    EVEN_SEED,
     MACHINES,
     NEAR_MACHINES,
     PARTS,
@@ -157,6 +159,7 @@ class DesignWork:
     sample: MachineSample | None = None
     corners: MachineSample | None = None
     around: MachineSample | None = None
+    inside: MachineSample | None = None
     search: str = ALL_CHOICES
     growths: Mapping[str, Effect] = field(default_factory=dict)
 
@@ -273,6 +276,7 @@ class DesignWork:
         if self.allotment is not None:
             task = self.allotment[1]
             count = expected_machines(task) + corner_count(len(self.letters)) + ROUNDS * AROUND
+            count += EVEN_MACHINES
             fits = machines(count, (allotment_remark(task, seconds),))
             ends = min(machine_counts(task)) * seconds, most_machines(task) * seconds
             parts["fits"] = dataclasses.replace(fits, ends=ends)
@@ -314,7 +318,7 @@ class DesignWork:
             self.answers.get("fits"), self.answers.get("life"), self.missing,
             not any(reason == INTERRUPTED for reason in self.missing.values()) and self.complete_life,
             self.nominal, self.nominal_range, self.turns, self.averaged, self.sample, self.search,
-            self.corners, self.growths, self.ideal, self.around,
+            self.corners, self.growths, self.ideal, self.around, self.inside,
         )  # fmt: skip
 
     @property
@@ -473,6 +477,10 @@ class DesignWork:
             count = corner_count(len(limits))
             job(Progress(count, count, 0.0, f"{count} machines at the limits of the fits"))
             self.corners = self.run_machines(list(limits), corner_clearances(limits), job)
+            even = dataclasses.replace(self.design(), allocation=answer).even_machines
+            if (missing := EVEN_MACHINES - sum(map(len, (machines.values for machines in even)))) > 0:
+                rows = sampled_clearances(limits, missing, EVEN_SEED)
+                self.inside = self.run_machines(list(limits), rows, job)
             for _ in range(ROUNDS):
                 design = dataclasses.replace(self.design(), allocation=answer)
                 if machine := design.clearances_of_largest:

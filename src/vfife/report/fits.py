@@ -6,8 +6,13 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from .amounts import prefixed
-from .design_words import and_words, default_limit_words, end, quantity_of, words
+import numpy as np
+
+from ..numerics.outward import UP
+from ..numerics.scalar import power
+from ..studies.spec.limits import CONFIDENCE
+from .amounts import percent, prefixed
+from .design_words import MISSING, and_words, default_limit_words, end, quantity_of, words
 from .searches import allocation as allocation_document
 
 if TYPE_CHECKING:
@@ -57,12 +62,28 @@ def limit_sentences(design: Design) -> Iterator[str]:
         )
         yield (
             f"In {len(values)} machines within the limits of these fits ({machine_words(design)}),"
-            f" {words(design.measure)} is {low} to {high}; {excess}. Other clearances within these limits may"
-            f" give more. {jump_sentence(design)}{largest_sentence(design)}"
+            f" {words(design.measure)} is {low} to {high}; {excess}. {bound_sentence(design)}"
+            f" {jump_sentence(design)}{largest_sentence(design)}"
         )
     if coarsest := coarsest_fits(design):
         fits = "; ".join(f"{fit} for {and_words(names)}" for fit, names in coarsest.items())
         yield f"Coarser fits than these were not tried: {fits} (--cost names other grades)."
+
+
+def bound_sentence(design: Design) -> str:
+    """Return how many other machines within the limits may have more than the largest value: of n independent
+    machines none exceeds it, which has the probability (1 - p)^n if a share p of all does.
+    """
+    values = np.concatenate([machines.values for machines in design.even_machines] or [np.empty(0)])
+    least = quantity_of(design, float(design.values_within_limits.max()))
+    share = 1.0 - power(1.0 - CONFIDENCE, 1.0 / max(1, len(values)))
+    if not len(values) or not np.isfinite(values).all():
+        return f"Other clearances within these limits may give more than {least}: in how many is {MISSING}."
+    return (
+        f"Other clearances within these limits may give more than {least}: at most"
+        f" {percent(100.0 * share, 0.1, UP)} of machines whose clearances are evenly distributed do, with"
+        f" {100.0 * CONFIDENCE:g} % confidence. By how much is {MISSING}."
+    )
 
 
 def jump_sentence(design: Design) -> str:
@@ -95,7 +116,7 @@ def machine_words(design: Design) -> str:
     if (corners := design.corners) is None:
         return ""
     near = design.around.count if design.around is not None else 0
-    inner = len(design.values_within_limits) - corners.count - near
+    inner = sum(machines.count for machines in design.even_machines)
     if len(corners.clearances) == 1 << len(corners.names):
         place = "every clearance at a limit" if len(corners.names) > 1 else "the clearance at a limit"
     else:
