@@ -143,7 +143,22 @@ def test_the_largest_value_is_that_of_a_sample_and_how_many_may_exceed_it_is_sai
     assert "more than 2 N: at most 5.0 % of machines" in said(59) and "95 % confidence" in said(59)
     assert "at most 25.9 % of machines" in said(10)
     for text in (said(0), said(59, math.nan)):
-        assert text == "Other clearances within these limits may give more than 2 N: in how many is not estimated."
+        assert (
+            text
+            == "Other clearances within these limits may give more than 2 N: in how many is not estimated."
+        )
+
+
+def test_finer_grades_are_no_remedy_where_all_machines_exceed_the_limit() -> None:
+    from vfife.assessment.sample import MachineSample
+    from vfife.report.fits import fit_remedy
+
+    sample = MachineSample(("pin",), np.full((2, 1), 1e-5), np.array([2.0, 3.0]))
+    found = {"limit": 1.0, "nominal": 2.0, "ideal": None, "allocation": None, "unit": "N", "ranks": {}}
+    found |= {"default_limit": False, "values_within_limits": [], "sample": sample, "letters": {}}
+    said = fit_remedy(SimpleNamespace(**found))
+    assert "all 2 machines" in said and "with 2 N or more" in said and "finer" not in said
+    assert "finer grades" in fit_remedy(SimpleNamespace(**found | {"limit": 2.5}))
 
 
 def test_a_rough_measure_near_its_limit_may_exceed_it_in_more_machines() -> None:

@@ -18,6 +18,7 @@ from ..job.progress import span
 from ..measures.catalogue import counts_of, differentiable, is_coordinate
 from ..model.mechanism import Mechanism
 from ..options import Watch, with_options
+from ..report.amounts import percent
 from ..results.derivatives import Effect, Sensitivity
 from ..simulation.simulate import Prepared, prepare
 from ..solvers.arguments import Arguments
@@ -415,9 +416,10 @@ class DesignWork:
             raise VfifeError(f"{self.measure} has no derivatives")
         if self.sensitive and self.nominal_range is not None:
             low, high = self.nominal_range
+            share = 100.0 * (high - low) / self.scale
             raise VfifeError(
                 f"the motion is sensitive: machines whose clearances differ by {100.0 * CLEARANCE_SPREAD:g} %"
-                f" differ by {100.0 * (high - low) / self.scale:.2g} %"
+                f" differ by {percent(share, 0.1 * share)}"
                 f"{' of the difference from the ideal one' * is_coordinate(self.measure)} in {self.measure}"
             )
         paths = {path_of(name): gap for name, gap in self.clearances.items()}

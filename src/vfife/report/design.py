@@ -283,7 +283,11 @@ def indifference(design: Design, subject: str) -> str:
     changes = []
     for joint in design.joints:
         width = joint.limits[1] - joint.limits[0] if joint.limits else 0.0
-        size = max(abs(joint.effect.low), abs(joint.effect.high)) if has_range(joint) else math.inf
+        size = (
+            max(abs(joint.effect.low), abs(joint.effect.high))
+            if joint.effect and has_range(joint)
+            else math.inf
+        )
         changes.append(size * max(1.0, width / joint.growth))
     values, allowed = design.values_within_limits.tolist(), 0.01 * NO_MATTER * design.scale
     if max(changes) > NO_MATTER * unit or (values and max(values) - min(values) > allowed):
@@ -315,7 +319,7 @@ def ranking_sentence(design: Design, subject: str) -> str:
     if not visible:
         return (
             f"No clearance visibly affects {subject}: its rank correlations with all of them over {machines}"
-            f" include 0, and it varies from {low} to {high}."
+            f" include 0, and in these machines it varies from {low} to {high}."
         )
     name, first = visible[0]
     sure_size = min(abs(first.low), abs(first.high))

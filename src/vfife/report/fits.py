@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..numerics.outward import UP
 from ..numerics.scalar import power
@@ -47,7 +48,9 @@ def fit_sentence(design: Design) -> str:
         "descent": "Fits that limit {}, each as cheap as the others allow, are",
     }[design.search].format(aim)
     assumption = ASSUMPTION.format(design.limit_deviations)
-    choice = f"{subject} {fits}; {share} of these machines stay below {reached}, {assumption}."
+    choice = (
+        f"{subject} {fits}; {share} of {answer.machines} such machines stay below {reached}, {assumption}."
+    )
     return " ".join([choice, *limit_sentences(design)])
 
 
@@ -56,9 +59,12 @@ def limit_sentences(design: Design) -> Iterator[str]:
     values = design.values_within_limits
     if len(values) and design.limit is not None:
         low, high = (quantity_of(design, float(end)) for end in (values.min(), values.max()))
-        exceeding = int((values > design.limit).sum())
+        even = even_values(design)
+        counted, place = (even, " evenly distributed") if len(even) else (values, "")
+        exceeding = int((counted > design.limit).sum())
         excess = (
-            f"{exceeding or 'none'} of these {len(values)} machines exceed{'s' * (exceeding == 1)} the limit"
+            f"{exceeding or 'none'} of these {len(counted)}{place} machines"
+            f" exceed{'s' * (exceeding == 1)} the limit"
         )
         yield (
             f"In {len(values)} machines within the limits of these fits ({machine_words(design)}),"
@@ -70,11 +76,16 @@ def limit_sentences(design: Design) -> Iterator[str]:
         yield f"Coarser fits than these were not tried: {fits} (--cost names other grades)."
 
 
+def even_values(design: Design) -> NDArray[np.float64]:
+    """Return the measure (SI) of the machines evenly distributed within the limits of the fits."""
+    return np.concatenate([machines.values for machines in design.even_machines] or [np.empty(0)])
+
+
 def bound_sentence(design: Design) -> str:
     """Return how many other machines within the limits may have more than the largest value: of n independent
     machines none exceeds it, which has the probability (1 - p)^n if a share p of all does.
     """
-    values = np.concatenate([machines.values for machines in design.even_machines] or [np.empty(0)])
+    values = even_values(design)
     least = quantity_of(design, float(design.values_within_limits.max()))
     share = 1.0 - power(1.0 - CONFIDENCE, 1.0 / max(1, len(values)))
     if not len(values) or not np.isfinite(values).all():
@@ -146,6 +157,12 @@ def coarsest_fits(design: Design) -> dict[str, list[str]]:
 
 def fit_remedy(design: Design) -> str:
     """Return what may give fits: finer grades do not where more clearance makes the measure smaller."""
+    least = design.sample.span[0] if design.sample is not None and design.sample.count else -math.inf
+    if design.limit is not None and least > design.limit:
+        return (
+            f"all {design.sample.count if design.sample else 0} machines from the finest to the coarsest fit"
+            f" exceed it, with {quantity_of(design, least)} or more: allow a higher limit (--limit)"
+        )
     falling = [name for name, rank in design.ranks.items() if rank.high < 0.0 and name in design.letters]
     if falling:
         return f"more clearance of {and_words(falling)} makes it smaller; allow coarser grades (--cost) there"
