@@ -247,7 +247,7 @@ def test_a_zero_elsewhere_changes_no_verdict_on_a_position() -> None:
             press(shift), "guide.position.high", limit=limit, share=0.5, cost={"IT7": 2.5, "IT9": 1.0}
         )
         effects = {joint.name: joint.effect for joint in found.joints}
-        assert 9.9e-6 < effects["E"].low < effects["E"].high < 10.1e-6  # one to one
+        assert 9e-6 < effects["E"].low < effects["E"].high < 11e-6  # one to one
         difference = found.value - found.ideal
         assert difference == pytest.approx(51e-6, rel=0.02) and not found.sensitive
         sentence = clearance_sentence(found)

@@ -18,7 +18,6 @@ from ..job.progress import span
 from ..measures.catalogue import counts_of, differentiable, is_coordinate
 from ..model.mechanism import Mechanism
 from ..options import Watch, with_options
-from ..report.amounts import percent
 from ..results.derivatives import Effect, Sensitivity
 from ..simulation.simulate import Prepared, prepare
 from ..solvers.arguments import Arguments
@@ -59,10 +58,10 @@ from .answer import (
     scale_of,
 )
 from .sample import (
-    AROUND,
     CLEARANCE_SPREAD,
     EVEN_MACHINES,
     EVEN_SEED,
+    FIT_MACHINES,
     MACHINES,
     NEAR_MACHINES,
     PARTS,
@@ -219,11 +218,8 @@ class DesignWork:
         }
         cost = self.options["cost"] or RELATIVE_COST
         share = {
-            "measure": self.measure,
-            "share": self.options["share"],
-            "batch": BATCH,
-            "search": self.search,
-        }
+            "measure": self.measure, "share": self.options["share"], "batch": BATCH, "search": self.search,
+        }  # fmt: skip
         return {
             "vary": vary, "measures": [self.measure], "turns": self.turns, "last": self.averaged,
             "counts": self.counts, "allocation": share,
@@ -276,8 +272,7 @@ class DesignWork:
             parts["ranks"] = machines(MACHINES)
         if self.allotment is not None:
             task = self.allotment[1]
-            count = expected_machines(task) + corner_count(len(self.letters)) + ROUNDS * AROUND
-            count += EVEN_MACHINES
+            count = expected_machines(task) + corner_count(len(self.letters)) + FIT_MACHINES
             fits = machines(count, (allotment_remark(task, seconds),))
             ends = min(machine_counts(task)) * seconds, most_machines(task) * seconds
             parts["fits"] = dataclasses.replace(fits, ends=ends)
@@ -416,10 +411,9 @@ class DesignWork:
             raise VfifeError(f"{self.measure} has no derivatives")
         if self.sensitive and self.nominal_range is not None:
             low, high = self.nominal_range
-            share = 100.0 * (high - low) / self.scale
             raise VfifeError(
                 f"the motion is sensitive: machines whose clearances differ by {100.0 * CLEARANCE_SPREAD:g} %"
-                f" differ by {percent(share, 0.1 * share)}"
+                f" differ by {100.0 * (high - low) / self.scale:.3g} %"
                 f"{' of the difference from the ideal one' * is_coordinate(self.measure)} in {self.measure}"
             )
         paths = {path_of(name): gap for name, gap in self.clearances.items()}
@@ -476,19 +470,17 @@ class DesignWork:
         if answer.choice is not None:
             options = zip(answer.task.parameters, answer.choice.options, strict=True)
             limits = {parameter.name: option.clearance.limits for parameter, option in options}
-            count = corner_count(len(limits))
-            job(Progress(count, count, 0.0, f"{count} machines at the limits of the fits"))
             self.corners = self.run_machines(list(limits), corner_clearances(limits), job)
-            even = dataclasses.replace(self.design(), allocation=answer).even_machines
-            if (missing := EVEN_MACHINES - sum(map(len, (machines.values for machines in even)))) > 0:
-                rows = sampled_clearances(limits, missing, EVEN_SEED)
-                self.inside = self.run_machines(list(limits), rows, job)
+            parts = dataclasses.replace(self.design(), allocation=answer).even_machines
+            if (count := EVEN_MACHINES - sum(len(part.values) for part in parts)) > 0:
+                self.inside = self.run_machines(
+                    list(limits), sampled_clearances(limits, count, EVEN_SEED), job
+                )
             for _ in range(ROUNDS):
                 design = dataclasses.replace(self.design(), allocation=answer)
                 if machine := design.clearances_of_largest:
-                    rows = clearances_around(machine, limits)
-                    machines = self.run_machines(list(limits), rows, job)
-                    self.around = joined([self.around, machines] if self.around else [machines])
+                    part = self.run_machines(list(limits), clearances_around(machine, limits), job)
+                    self.around = joined([self.around, part] if self.around else [part])
         return answer
 
     def lives(self, job: Job) -> Worn:

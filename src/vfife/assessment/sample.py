@@ -45,6 +45,7 @@ ROUGH, FEWEST_FOR_ROUGHNESS = 0.25, 16
 MOST_CORNER_JOINTS = 3  # all combinations of limits of more joints are more than eight machines
 # Of so many independent machines the largest is exceeded by at most 5 % of all, with 95 % confidence.
 EVEN_MACHINES, EVEN_SEED = 59, 2
+FIT_MACHINES = EVEN_MACHINES + ROUNDS * AROUND  # within the limits of the fits, beside their corners
 PARTS = {"sensitivity": "sensitivities", "ranks": "ranks", "fits": "fits", "life": "wear"}
 Array = NDArray[np.float64]
 

@@ -59,8 +59,8 @@ def limit_sentences(design: Design) -> Iterator[str]:
     values = design.values_within_limits
     if len(values) and design.limit is not None:
         low, high = (quantity_of(design, float(end)) for end in (values.min(), values.max()))
-        even = even_values(design)
-        counted, place = (even, " evenly distributed") if len(even) else (values, "")
+        part = even_values(design)
+        counted, place = (part, " evenly distributed") if len(part) else (values, "")
         exceeding = int((counted > design.limit).sum())
         excess = (
             f"{exceeding or 'none'} of these {len(counted)}{place} machines"
@@ -86,12 +86,12 @@ def bound_sentence(design: Design) -> str:
     machines none exceeds it, which has the probability (1 - p)^n if a share p of all does.
     """
     values = even_values(design)
-    least = quantity_of(design, float(design.values_within_limits.max()))
+    largest = quantity_of(design, float(design.values_within_limits.max()))
     share = 1.0 - power(1.0 - CONFIDENCE, 1.0 / max(1, len(values)))
     if not len(values) or not np.isfinite(values).all():
-        return f"Other clearances within these limits may give more than {least}: in how many is {MISSING}."
+        return f"Other clearances within these limits may give more than {largest}: in how many is {MISSING}."
     return (
-        f"Other clearances within these limits may give more than {least}: at most"
+        f"Other clearances within these limits may give more than {largest}: at most"
         f" {percent(100.0 * share, 0.1, UP)} of machines whose clearances are evenly distributed do, with"
         f" {100.0 * CONFIDENCE:g} % confidence. By how much is {MISSING}."
     )
@@ -157,11 +157,11 @@ def coarsest_fits(design: Design) -> dict[str, list[str]]:
 
 def fit_remedy(design: Design) -> str:
     """Return what may give fits: finer grades do not where more clearance makes the measure smaller."""
-    least = design.sample.span[0] if design.sample is not None and design.sample.count else -math.inf
-    if design.limit is not None and least > design.limit:
+    low = design.sample.span[0] if design.sample is not None and design.sample.count else -math.inf
+    if design.limit is not None and low > design.limit:
         return (
             f"all {design.sample.count if design.sample else 0} machines from the finest to the coarsest fit"
-            f" exceed it, with {quantity_of(design, least)} or more: allow a higher limit (--limit)"
+            f" exceed it, with {quantity_of(design, low)} or more: allow a higher limit (--limit)"
         )
     falling = [name for name, rank in design.ranks.items() if rank.high < 0.0 and name in design.letters]
     if falling:
