@@ -428,8 +428,8 @@ class DesignWork:
     def ranks(self, job: Job) -> MachineSample | None:
         """Run machines by which clearances are ranked, unless the effects of all of them are known."""
         answer = self.answers.get("sensitivity")
-        differentiated = answer is not None or is_grown(self.measure)
-        if not self.needs_ranks(differentiated and effects_agree(answer, self.measure, self.growths)):
+        derived = answer is not None or is_grown(self.measure)
+        if not self.needs_ranks(derived and effects_agree(answer, self.measure, self.growths)):
             return None
         limits = {name: self.clearance_limits(name) for name in self.clearances}
         job(Progress(0, MACHINES, 0.0, f"{MACHINES} machines with clearances of all fits"))
@@ -461,9 +461,8 @@ class DesignWork:
         VfifeError where there is no limit or no fit.
         """
         if not self.letters:
-            raise VfifeError(
-                f"no joint has a nominal size of {1e3 * LEAST_SIZE:g} to {1e3 * LARGEST_SIZE:g} mm"
-            )
+            limits = f"{1e3 * LEAST_SIZE:g} to {1e3 * LARGEST_SIZE:g} mm"
+            raise VfifeError(f"no joint has a nominal size of {limits}")
         if self.limit is None:
             raise VfifeError(missing_limit(self.measure, self.nominal, self.scale))
         answer = allocate(self.mechanism, **self.tables(self.limit), progress=job)
@@ -487,8 +486,7 @@ class DesignWork:
         """Simulate wear. Raises VfifeError for a mechanism that does not wear."""
         if not surfaces_of(self.wearing):
             raise VfifeError("no joint of the model has a coefficient of wear")
-        turns = self.options["wear_turns"]
-        return wear(self.wearing, turns, clearance=self.end_of_life, progress=job)
+        return wear(self.wearing, self.options["wear_turns"], clearance=self.end_of_life, progress=job)
 
     @property
     def end_of_life(self) -> float:
