@@ -461,8 +461,8 @@ class DesignWork:
         VfifeError where there is no limit or no fit.
         """
         if not self.letters:
-            limits = f"{1e3 * LEAST_SIZE:g} to {1e3 * LARGEST_SIZE:g} mm"
-            raise VfifeError(f"no joint has a nominal size of {limits}")
+            sizes = f"{1e3 * LEAST_SIZE:g} to {1e3 * LARGEST_SIZE:g} mm"
+            raise VfifeError(f"no joint has a nominal size of {sizes}")
         if self.limit is None:
             raise VfifeError(missing_limit(self.measure, self.nominal, self.scale))
         answer = allocate(self.mechanism, **self.tables(self.limit), progress=job)
