@@ -36,8 +36,12 @@ extensions = [
     "public_api",
 ]
 exclude_patterns = [
-    "_build", "_made", "extensions", "examples/**/*.ipynb",
-    "examples/sg_execution_times.rst", "sg_execution_times.rst",
+    "_build",
+    "_made",
+    "extensions",
+    "examples/**/*.ipynb",
+    "examples/sg_execution_times.rst",
+    "sg_execution_times.rst",
 ]
 
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]

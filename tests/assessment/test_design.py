@@ -103,13 +103,14 @@ def test_machines_within_the_limits_of_fits_keep_the_clearance_of_joints_without
     corners = MachineSample(("pin",), clearances[:, :1], np.array([1.0, 2.0]))
     pin = SimpleNamespace(name="pin", limits=(1e-5, 3e-5), clearance=1e-5)
     guide = SimpleNamespace(name="guide", limits=None, clearance=4e-5)
-    within = Design._within_limits.fget
+    within, even = Design._within_limits.fget, Design.even_machines.fget
     found = SimpleNamespace(
-        corners=corners, sample=sample, joints=[pin, guide], values_within_limits=[1, 2], around=None
+        corners=corners, sample=sample, joints=[pin, guide], inside=None, around=None, even_machines=[]
     )
-    assert within(found) == [corners]
+    assert even(found) == [] and within(found) == [corners]
     assert machine_words(found) == "2 machines with the clearance at a limit; all with 40 µm in guide"
     guide.limits = (2e-5, 6e-5)
+    found.even_machines = even(found)
     (inner, _) = within(found)
     assert inner.values.tolist() == [1.0, 9.0] and "all with" not in machine_words(found)
 
@@ -125,6 +126,39 @@ def test_machines_near_the_largest_lie_within_the_limits_and_roughness_is_told_f
     noise = np.random.default_rng(1).uniform(0.01, 0.04, len(places))
     assert MachineSample(("E", "F"), places, places @ [300.0, 500.0]).jump == 0.0
     assert MachineSample(("E", "F"), places, noise).jump == pytest.approx(0.03 / math.sqrt(6.0), rel=0.3)
+
+
+def test_the_largest_value_is_that_of_a_sample_and_how_many_may_exceed_it_is_said() -> None:
+    """Of 59 machines none exceeds it: at most 5 % of all do, with 95 % confidence."""
+    from vfife.assessment.sample import MachineSample
+    from vfife.report.fits import bound_sentence
+
+    def said(count: int, last: float = 1.0) -> str:
+        values = np.append(np.ones(count - 1), last) if count else np.empty(0)
+        even = [MachineSample(("pin",), np.full((count, 1), 1e-5), values)] if count else []
+        found = {"values_within_limits": np.array([1.0, 2.0]), "limit": 3.0, "nominal": 1.0, "ideal": None}
+        found |= {"allocation": None, "unit": "N", "default_limit": False, "even_machines": even}
+        return bound_sentence(SimpleNamespace(**found))
+
+    assert "more than 2 N: at most 5.0 % of machines" in said(59) and "95 % confidence" in said(59)
+    assert "at most 25.9 % of machines" in said(10)
+    for text in (said(0), said(59, math.nan)):
+        assert (
+            text
+            == "Other clearances within these limits may give more than 2 N: in how many is not estimated."
+        )
+
+
+def test_finer_grades_are_no_remedy_where_all_machines_exceed_the_limit() -> None:
+    from vfife.assessment.sample import MachineSample
+    from vfife.report.fits import fit_remedy
+
+    sample = MachineSample(("pin",), np.full((2, 1), 1e-5), np.array([2.0, 3.0]))
+    found = {"limit": 1.0, "nominal": 2.0, "ideal": None, "allocation": None, "unit": "N", "ranks": {}}
+    found |= {"default_limit": False, "values_within_limits": [], "sample": sample, "letters": {}}
+    said = fit_remedy(SimpleNamespace(**found))
+    assert "all 2 machines" in said and "with 2 N or more" in said and "finer" not in said
+    assert "finer grades" in fit_remedy(SimpleNamespace(**found | {"limit": 2.5}))
 
 
 def test_a_rough_measure_near_its_limit_may_exceed_it_in_more_machines() -> None:
@@ -390,7 +424,12 @@ def test_a_measure_without_derivatives_ranks_clearances_by_the_machines_of_the_f
     for joint in found.joints:
         assert -1.0 <= joint.rank.low <= joint.rank.value <= joint.rank.high <= 1.0
     inside = found.sample.within({joint.name: joint.limits for joint in found.joints})
-    values = [*found.sample.values[inside], *found.around.values, *found.corners.values]
+    values = [
+        *found.sample.values[inside],
+        *(found.inside.values if found.inside else ()),
+        *found.around.values,
+        *found.corners.values,
+    ]
     assert found.values_within_limits == pytest.approx([value for value in values if math.isfinite(value)])
     page = document(found, "k.toml")
     assert "machines, whose clearances vary from the finest to the coarsest fit, it lies" in str(page)
@@ -513,7 +552,7 @@ def test_the_cases_of_a_search_are_within_a_forecast_that_covers_its_dearest_cas
     for done, total in ((100, 179), (349, 352), (1600, 1700)):
         part.count(done, total, "cases")
     first, further, beyond = shown
-    assert "left" in first.text and not first.beyond_forecast
+    assert first.text.endswith("1,600 at most") and not first.beyond_forecast
     assert "349 of 352 cases" in further.text and further.text.endswith("1,600 at most")
     assert not further.beyond_forecast
     assert beyond.beyond_forecast and "more than the 1,600 of the forecast" in beyond.text

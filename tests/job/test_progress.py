@@ -15,7 +15,7 @@ from support import four_bar
 from vfife.assembly.assemble import assemble
 from vfife.job import progress
 from vfife.job.cost import Forecast, timed_step
-from vfife.job.job import job_of
+from vfife.job.job import Job, job_of
 from vfife.job.progress import Counter, ProgressLine, ScriptLine, amount_of_bytes, script_line, span
 from vfife.solvers.status import Progress
 from vfife.solvers.transient import Stepping
@@ -128,11 +128,44 @@ def test_a_script_is_told_how_long_it_takes(capsys):
     assert capsys.readouterr().err == ""
 
 
-def test_the_first_item_counts_from_the_start_of_the_work(monkeypatch):
-    """Not from the first report: 1 of 5 after 10 s leaves 40 s, at 0.1 a second."""
-    monkeypatch.setattr(progress.time, "monotonic", lambda: 110.0)
-    assert Counter("values", 100.0)(1, 5).text == "1 of 5 values  0.1 values/s  40 s left"
-    assert Counter("values", 100.0)(3, 5).text == "3 of 5 values  0.1 values/s  20 s left"
+def test_the_remaining_time_is_shown_once_later_items_show_it(monkeypatch):
+    """The first item includes the preparation. A piece of work with its own items begins anew."""
+    now, shown = [100.0], list[Progress]()
+    monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
+    job = Job("design", None, False, shown.append)
+
+    def text(seconds: float, done: int, total: int, noun: str = "values") -> str:
+        now[0] += seconds
+        job.count(done, total, noun)
+        return shown[-1].text
+
+    assert text(10.0, 1, 5) == "1 of 5 values" and text(4.0, 2, 5) == "2 of 5 values"
+    assert text(4.0, 3, 5) == "3 of 5 values  0.25 values/s  8 s left"
+    text(4.0, 4, 5)
+    assert text(4.0, 5, 5) == "5 of 5 values  0.192 values/s  in 26 s"
+    assert text(10.0, 1, 8) == "1 of 8 values" and text(10.0, 1, 1, "machines").endswith("in 10 s")
+
+
+def test_the_remaining_time_of_a_search_is_not_known(monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
+    count = Counter("cases", 0.0, limit=700)
+    for done in range(1, 10):
+        now[0] += 1.0
+        text = count(done, 300).text
+    assert text == "9 of 300 cases  1 cases/s  700 at most"
+
+
+def test_a_long_wait_leaves_no_wrong_remaining_time(monkeypatch):
+    """A second compilation of 24 s is no measure of the items after it."""
+    now, count = [0.0], Counter("runs", 0.0)
+    monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
+    for item in range(1, 600):
+        now[0] += {1: 5.0, 40: 24.0}.get(item, 0.5)
+        text, left = count(item, 600).text, 0.5 * (600 - item)
+        assert "left" not in text or item < 40 or item > 180
+        if item > 300:
+            assert "2 runs/s" in text and f"{span(left)} left" in text
 
 
 def test_the_preparation_of_many_items_is_not_counted_in_their_rate(monkeypatch):
@@ -143,7 +176,7 @@ def test_the_preparation_of_many_items_is_not_counted_in_their_rate(monkeypatch)
         for item in range(8):
             now[0] = 10.0 + 2.0 * batch + 0.01 * item
             texts.append(count(8 * batch + item + 1, 40).text)
-    assert texts[7] == "8 of 40 starts  0.794 starts/s  40 s left", "no later item shows the preparation"
+    assert texts[7] == "8 of 40 starts" and texts[16] == "17 of 40 starts  4 starts/s  5.8 s left"
     assert texts[23] == "24 of 40 starts  4 starts/s  4 s left"
     assert texts[39] == "40 of 40 starts  2.21 starts/s  in 18 s"
 

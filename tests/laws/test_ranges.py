@@ -132,7 +132,7 @@ def test_hertz_has_a_range_where_a_line_will_do_and_warns_beyond():
 def test_joints_that_are_as_fast_as_usual_share_a_line():
     m = four_bar("BCD")
     (line,) = remarks(m, {"B": (0.0, 0.3), "C": (0.0, 0.04), "D": (0.0, 0.5)})
-    assert line.startswith("B, C, D: impacts of up to 0.5 m/s") and "up to 0.0515 m/s" in line
+    assert line.startswith("B, C, D: impacts of up to 500 mm/s") and "up to 51.5 mm/s" in line
     assert remarks(m, dict.fromkeys("BCD", (0.0, 0.04))) == () == remarks(m, dict.fromkeys("BCD", (0.0, 6.0)))
 
 
@@ -186,7 +186,7 @@ def test_a_run_tells_its_fastest_impact():
     assert record.block("contact_fastest")[-1] == pytest.approx(0.7, rel=1e-6)
     assert record.block("contact_onsets")[-1] > 1
     told = Result(record).summary
-    assert [one for one in told["remarks"] if one.startswith("J: impacts of up to 0.7 m/s")] and not told[
+    assert [one for one in told["remarks"] if one.startswith("J: impacts of up to 700 mm/s")] and not told[
         "warnings"
     ]
 

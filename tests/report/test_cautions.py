@@ -28,7 +28,7 @@ def test_an_impact_that_machines_have_every_day_warns_of_nothing() -> None:
     result = struck(0.3)
     assert list(out_of_range(result)) == [] and result.summary["warnings"] == []
     (line,) = usual_remarks(result)
-    assert line.startswith("J: impacts of up to 0.3 m/s") and line in result.summary["remarks"]
+    assert line.startswith("J: impacts of up to 300 mm/s") and line in result.summary["remarks"]
 
 
 def test_a_penetration_beyond_the_clearance_is_told_with_numbers() -> None:

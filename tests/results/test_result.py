@@ -160,8 +160,7 @@ def test_summary_is_for_scripts(result: Result) -> None:
         and "are more than a clearance of 200 µm" in warning
     )
     assert told["remarks"] == [
-        "B, C, D: impacts of up to 2.69 m/s, the law being quasi-static up to 0.0515 m/s, as usual in"
-        " machines"
+        "B, C, D: impacts of up to 2.69 m/s, the law being quasi-static up to 51.5 mm/s, as usual in machines"
     ]
 
 

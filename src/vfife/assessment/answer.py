@@ -111,7 +111,8 @@ class Design(NotebookDocument):
     clearance. ``sample``: machines with clearances from the finest to the coarsest fit, which rank the
     clearances. ``search``: "all" choices of fits, the "same" grades in all joints, or a "descent" from
     these joint by joint. ``corners``: machines whose clearances are limits of the chosen fits;
-    ``around``: machines near that with the largest value.
+    ``around``: machines near that with the largest value; ``inside``: machines evenly distributed within
+    the limits, beside those of the ``sample``.
     ``growths``: effects of grown clearances by path. ``end_clearance`` (m) ends a life; None: twice the own
     one. ``joints``: the findings for each joint.
     """
@@ -138,6 +139,7 @@ class Design(NotebookDocument):
     growths: Mapping[str, Effect] = field(default_factory=dict)
     ideal: float | None = None
     around: MachineSample | None = None
+    inside: MachineSample | None = None
 
     @property
     def name(self) -> str:  # type: ignore[override]
@@ -181,7 +183,7 @@ class Design(NotebookDocument):
     @cached_property
     def values_within_limits(self) -> NDArray[np.float64]:
         """The measure (SI) of machines whose clearances lie within the limits of the chosen fits, whatever
-        their distribution: those of the ``sample``, of the ``corners``, and those ``around`` the largest.
+        their distribution: the ``even_machines``, the ``corners``, and those ``around`` the largest.
         """
         parts = [machines.values for machines in self._within_limits]
         values = np.concatenate(parts) if parts else np.empty(0)
@@ -202,19 +204,25 @@ class Design(NotebookDocument):
 
     @property
     def _within_limits(self) -> list[MachineSample]:
-        """The machines of the ``sample`` within the limits of the chosen fits, the ``corners``, and those
-        ``around`` the largest.
+        """The ``even_machines``, those ``around`` the largest, and the ``corners``."""
+        if self.corners is None:
+            return []
+        ends = [machines for machines in (self.around, self.corners) if machines is not None]
+        return [*self.even_machines, *ends]
+
+    @property
+    def even_machines(self) -> list[MachineSample]:
+        """The machines evenly distributed within the limits of the chosen fits: those of the ``sample`` that
+        lie there, and those ``inside``.
 
         In the sample every clearance varies: it has no machine in which a joint without fit keeps its own.
         """
-        if self.corners is None:
-            return []
         limits = {joint.name: joint.limits for joint in self.joints if joint.limits}
-        ends = [machines for machines in (self.around, self.corners) if machines is not None]
+        parts = [] if self.inside is None else [self.inside]
         if self.sample is None or not limits.keys() >= {*self.sample.names}:
-            return ends
+            return parts
         inside, sample = self.sample.within(limits), self.sample
-        return [MachineSample(sample.names, sample.clearances[inside], sample.values[inside]), *ends]
+        return [MachineSample(sample.names, sample.clearances[inside], sample.values[inside]), *parts]
 
     @cached_property
     def jump(self) -> float:

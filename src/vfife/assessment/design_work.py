@@ -58,8 +58,10 @@ from .answer import (
     scale_of,
 )
 from .sample import (
-    AROUND,
     CLEARANCE_SPREAD,
+    EVEN_MACHINES,
+    EVEN_SEED,
+    FIT_MACHINES,
     MACHINES,
     NEAR_MACHINES,
     PARTS,
@@ -157,6 +159,7 @@ class DesignWork:
     sample: MachineSample | None = None
     corners: MachineSample | None = None
     around: MachineSample | None = None
+    inside: MachineSample | None = None
     search: str = ALL_CHOICES
     growths: Mapping[str, Effect] = field(default_factory=dict)
 
@@ -215,11 +218,8 @@ class DesignWork:
         }
         cost = self.options["cost"] or RELATIVE_COST
         share = {
-            "measure": self.measure,
-            "share": self.options["share"],
-            "batch": BATCH,
-            "search": self.search,
-        }
+            "measure": self.measure, "share": self.options["share"], "batch": BATCH, "search": self.search,
+        }  # fmt: skip
         return {
             "vary": vary, "measures": [self.measure], "turns": self.turns, "last": self.averaged,
             "counts": self.counts, "allocation": share,
@@ -272,7 +272,7 @@ class DesignWork:
             parts["ranks"] = machines(MACHINES)
         if self.allotment is not None:
             task = self.allotment[1]
-            count = expected_machines(task) + corner_count(len(self.letters)) + ROUNDS * AROUND
+            count = expected_machines(task) + corner_count(len(self.letters)) + FIT_MACHINES
             fits = machines(count, (allotment_remark(task, seconds),))
             ends = min(machine_counts(task)) * seconds, most_machines(task) * seconds
             parts["fits"] = dataclasses.replace(fits, ends=ends)
@@ -314,7 +314,7 @@ class DesignWork:
             self.answers.get("fits"), self.answers.get("life"), self.missing,
             not any(reason == INTERRUPTED for reason in self.missing.values()) and self.complete_life,
             self.nominal, self.nominal_range, self.turns, self.averaged, self.sample, self.search,
-            self.corners, self.growths, self.ideal, self.around,
+            self.corners, self.growths, self.ideal, self.around, self.inside,
         )  # fmt: skip
 
     @property
@@ -413,7 +413,7 @@ class DesignWork:
             low, high = self.nominal_range
             raise VfifeError(
                 f"the motion is sensitive: machines whose clearances differ by {100.0 * CLEARANCE_SPREAD:g} %"
-                f" differ by {100.0 * (high - low) / self.scale:.2g} %"
+                f" differ by {100.0 * (high - low) / self.scale:.3g} %"
                 f"{' of the difference from the ideal one' * is_coordinate(self.measure)} in {self.measure}"
             )
         paths = {path_of(name): gap for name, gap in self.clearances.items()}
@@ -428,8 +428,8 @@ class DesignWork:
     def ranks(self, job: Job) -> MachineSample | None:
         """Run machines by which clearances are ranked, unless the effects of all of them are known."""
         answer = self.answers.get("sensitivity")
-        differentiated = answer is not None or is_grown(self.measure)
-        if not self.needs_ranks(differentiated and effects_agree(answer, self.measure, self.growths)):
+        derived = answer is not None or is_grown(self.measure)
+        if not self.needs_ranks(derived and effects_agree(answer, self.measure, self.growths)):
             return None
         limits = {name: self.clearance_limits(name) for name in self.clearances}
         job(Progress(0, MACHINES, 0.0, f"{MACHINES} machines with clearances of all fits"))
@@ -461,32 +461,32 @@ class DesignWork:
         VfifeError where there is no limit or no fit.
         """
         if not self.letters:
-            raise VfifeError(
-                f"no joint has a nominal size of {1e3 * LEAST_SIZE:g} to {1e3 * LARGEST_SIZE:g} mm"
-            )
+            sizes = f"{1e3 * LEAST_SIZE:g} to {1e3 * LARGEST_SIZE:g} mm"
+            raise VfifeError(f"no joint has a nominal size of {sizes}")
         if self.limit is None:
             raise VfifeError(missing_limit(self.measure, self.nominal, self.scale))
         answer = allocate(self.mechanism, **self.tables(self.limit), progress=job)
         if answer.choice is not None:
             options = zip(answer.task.parameters, answer.choice.options, strict=True)
             limits = {parameter.name: option.clearance.limits for parameter, option in options}
-            count = corner_count(len(limits))
-            job(Progress(count, count, 0.0, f"{count} machines at the limits of the fits"))
             self.corners = self.run_machines(list(limits), corner_clearances(limits), job)
+            parts = dataclasses.replace(self.design(), allocation=answer).even_machines
+            if (count := EVEN_MACHINES - sum(len(part.values) for part in parts)) > 0:
+                self.inside = self.run_machines(
+                    list(limits), sampled_clearances(limits, count, EVEN_SEED), job
+                )
             for _ in range(ROUNDS):
                 design = dataclasses.replace(self.design(), allocation=answer)
                 if machine := design.clearances_of_largest:
-                    rows = clearances_around(machine, limits)
-                    machines = self.run_machines(list(limits), rows, job)
-                    self.around = joined([self.around, machines] if self.around else [machines])
+                    part = self.run_machines(list(limits), clearances_around(machine, limits), job)
+                    self.around = joined([self.around, part] if self.around else [part])
         return answer
 
     def lives(self, job: Job) -> Worn:
         """Simulate wear. Raises VfifeError for a mechanism that does not wear."""
         if not surfaces_of(self.wearing):
             raise VfifeError("no joint of the model has a coefficient of wear")
-        turns = self.options["wear_turns"]
-        return wear(self.wearing, turns, clearance=self.end_of_life, progress=job)
+        return wear(self.wearing, self.options["wear_turns"], clearance=self.end_of_life, progress=job)
 
     @property
     def end_of_life(self) -> float:

@@ -98,7 +98,11 @@ class Job:
 
     def count(self, done: int, total: int, noun: str, failed: bool = False) -> None:
         """Report that one more of many equal items is done."""
-        self.counter = self.counter or Counter(noun, self.began, self.limit)
+        counter = self.counter or Counter(noun, self.began, self.limit)
+        if noun != counter.noun or done < counter.done:  # another piece of the work
+            limit = self.limit if noun == counter.noun else 0
+            counter = Counter(noun, counter.began + counter.seconds, limit)
+        self.counter = counter
         self.counted = share_done(done, total, noun)
         self(self.counter(done, total, failed))
 

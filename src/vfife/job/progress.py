@@ -187,51 +187,68 @@ def plain_text(text: str) -> Any:
     return type("Text", (), {"__repr__": lambda self: text})()
 
 
-# Share of the time up to the first item within which others belong to the same lanes, and from which on the
-# rate is that of later items.
-BURST, LATER = 0.05, 0.25
+# A wait of this share of the longest one ends a burst of items, which are complete together in lanes. One so
+# many times as long shows that those before were waits within a burst; no other one for so long, that the
+# longest was an exception. Share of the time up to the first item from which on later ones show a rate.
+SAME_WAIT, LONGER_WAIT, LATER = 0.5, 4.0, 0.25
 
 
 class Counter:
-    """Progress of work that ``began`` at a monotonic time (s), on many equal items: number done, rate and
-    remaining time. ``limit``: the largest number of items of a search whose forecast covers it; 0 for other
-    work.
+    """Progress of work that ``began`` at a monotonic time (s), on many equal items: number done, and rate and
+    remaining time as soon as items after the first ones show them. ``limit``: the largest number of items of
+    a search, which may need fewer than its total; 0 for other work.
     """
 
     def __init__(self, noun: str, began: float, limit: int = 0) -> None:
         self.noun, self.began, self.limit, self.failed = noun, began, limit, 0
         self.first: int | None = None
-        self.burst: tuple[float, float, int] | None = None  # first time (s), last time (s) and last number
         self.forecast: int | None = None  # the total when the work began
+        self.done, self.seconds = 0, 0.0  # of the item before
+        self.prepared = 0.0  # s, up to the first item
+        self.ends = list[tuple[float, int]]()  # time (s) and number at the ends of bursts of items
+        self.wait = 0.0  # s, the longest between two items
 
     def __call__(self, done: int, total: int, failed: bool = False) -> Progress:
-        """Count an item and return the progress. Where the total grows, how much is left is not known."""
+        """Count an item and return the progress. Where the total grows, or a search may need less, how much
+        is left is not known.
+        """
+        begin = self.first is None
         self.first = max(done - 1, 0) if self.first is None else self.first
         self.forecast = total if self.forecast is None else self.forecast
         self.failed += failed
         seconds = max(time.monotonic() - self.began, 1e-9)
-        rate = self._rate(done, self.first, seconds) if done < total else (done - self.first) / seconds
-        left = f"{span((total - done) / rate)} left" if done < total and rate else f"in {span(seconds)}"
+        rate = (done - self.first) / seconds if done >= total else 0.0
+        if begin:
+            self.prepared = seconds
+        else:
+            rate = rate or self._rate(seconds)
+        self.done, self.seconds = done, seconds
+        speed = f"  {rate:.3g} {self.noun}/s" if rate else ""
+        left = f"  {span((total - done) / rate)} left" if rate else ""
+        if done >= total:
+            left = f"  in {span(seconds)}"
+        elif self.limit:
+            left = f"  {self.limit:,} at most" if total <= self.limit else ""
         bad = f"  {self.failed:,} failed" if self.failed else ""
-        if self.limit and self.forecast < total <= self.limit:
-            left = f"{self.limit:,} at most"
         if surplus := total > max(self.forecast, self.limit):
-            left = f"more than the {max(self.forecast, self.limit):,} of the forecast"
-        text = f"{done:,} of {total:,} {self.noun}  {rate:.3g} {self.noun}/s  {left}{bad}"
-        return Progress(done, total, seconds, text, surplus)
+            left = f"  more than the {max(self.forecast, self.limit):,} of the forecast"
+        return Progress(done, total, seconds, f"{done:,} of {total:,} {self.noun}{speed}{left}{bad}", surplus)
 
-    def _rate(self, done: int, first: int, seconds: float) -> float:
-        """Return the number of items a second: since the first ones, which are complete together in lanes,
-        because before them the work was prepared; of all, as long as that is a short time.
+    def _rate(self, seconds: float) -> float:
+        """Return the number of items a second between the ends of the first and the last complete burst,
+        because the work was prepared before the first and the last one is still arriving; 0 if not known.
         """
-        if self.burst is None:
-            self.burst = seconds, seconds, done
-        begin, end, count = self.burst
-        if seconds <= (1.0 + BURST) * begin:
-            self.burst = begin, seconds, done
-        elif done > count and seconds >= (1.0 + LATER) * end:
-            return (done - count) / (seconds - end)
-        return (done - first) / seconds
+        wait = seconds - self.seconds
+        since = seconds - (self.ends[-1][0] if self.ends else self.seconds)
+        if max(wait, since) > LONGER_WAIT * self.wait:
+            self.ends, self.wait = [], 0.0
+        if wait >= SAME_WAIT * self.wait:
+            self.ends = [*self.ends[:1], (self.seconds, self.done)]
+        self.wait = max(self.wait, wait)
+        (begin, count), (end, last) = self.ends[0], self.ends[-1]
+        if last == count or seconds - begin < LATER * self.prepared:
+            return 0.0
+        return (last - count) / (end - begin)
 
 
 def sentence(progress: Progress, share: float | None = None) -> str:

@@ -97,12 +97,16 @@ def remarks(mechanism: Mechanism, extremes: Mapping[str, tuple[float, float]]) -
         usual = law.usual(pair)
         if usual is not None and usual[0] < _worst(extremes, names)[1] <= usual[1]:
             exceeded.setdefault(usual[0], []).extend(names)
-    line = (
-        "{}: impacts of up to {:.3g} m/s, the law being quasi-static up to {:.3g} m/s, as usual in machines"
-    )
     return tuple(
-        line.format(", ".join(names), _worst(extremes, names)[1], limit) for limit, names in exceeded.items()
+        f"{', '.join(names)}: impacts of up to {_speed_words(_worst(extremes, names)[1])}, the law being"
+        f" quasi-static up to {_speed_words(limit)}, as usual in machines"
+        for limit, names in exceeded.items()
     )
+
+
+def _speed_words(speed: float) -> str:
+    """Return a speed (m/s) in the unit of the table of joints."""
+    return f"{speed:.3g} m/s" if speed >= 1.0 else f"{1e3 * speed:.3g} mm/s"
 
 
 def _alike(mechanism: Mechanism) -> dict[tuple[Law, Pair], list[str]]:

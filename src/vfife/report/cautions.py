@@ -373,7 +373,9 @@ def landing_cautions(result: RunData) -> dict[str, str]:
         " the speed of the last landing. Another start or law may lead to another periodic motion, whose"
         " forces and torques lie outside the ranges: up to 15 % away in crank-rockers, severalfold where a"
         f" motion whirls.{listed * bool(loads)} Compare start.journals"
-        ' "seated" and "centred", and other laws; kelvin-voigt remembers no landing, but needs a stiffness.'
+        ' "seated" and "centred", and other laws. kelvin-voigt remembers no landing: give it as stiffness the'
+        " largest force over the largest penetration of the joint in this run, and as damping_coefficient"
+        " 1e-4 s times this stiffness."
     )
     return dict.fromkeys(names, text)
 

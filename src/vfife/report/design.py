@@ -127,7 +127,7 @@ def row(design: Design, joint: JointDesign) -> tuple[str, ...]:
         lasts = turns if math.isfinite(life.turns) else "no wear"
     span = "" if life is None else life_range(life)
     effect, span_of_effect = effect_cells(design, joint)
-    if joint.effect and span_of_effect and (difference := effect_difference(design, joint.effect)):
+    if not unknown(joint) and joint.effect and (difference := effect_difference(design, joint.effect)):
         effect = f"{effect}, {difference}"
     growth = f"+{prefixed(joint.growth, 'm')}" if effect else ""
     return (
@@ -137,15 +137,13 @@ def row(design: Design, joint: JointDesign) -> tuple[str, ...]:
 
 
 def effect_cells(design: Design, joint: JointDesign) -> tuple[str, str]:
-    """Return the effect of more clearance and its range; nothing where clearances are ranked instead and no
-    effect is known.
+    """Return the effect of more clearance and its range, also of one whose sign is not known; nothing where
+    clearances are ranked instead and no effect has a range.
     """
     effect = joint.effect
-    if design.ranks and all(unknown(assessed) for assessed in design.joints):
-        return "", ""
-    if effect is None or effect.kind == "unknown":
-        return UNKNOWN, ""
-    return effect_words(design, effect), effect_range(design, effect)
+    if effect is None or not has_range(joint):
+        return ("" if design.ranks and not any(map(has_range, design.joints)) else UNKNOWN), ""
+    return UNKNOWN if unknown(joint) else effect_words(design, effect), effect_range(design, effect)
 
 
 def rank_cells(design: Design, joint: JointDesign) -> tuple[str, str]:
@@ -168,8 +166,13 @@ def shows_ranks(design: Design) -> bool:
 
 
 def unknown(joint: JointDesign) -> bool:
-    """Return whether the effect of a small change of a clearance is not known."""
+    """Return whether the effect of a larger clearance is not known."""
     return joint.effect is None or joint.effect.kind == "unknown"
+
+
+def has_range(joint: JointDesign) -> bool:
+    """Return whether the effect of a larger clearance has a range: its sign may still be unknown."""
+    return joint.effect is not None and math.isfinite(joint.effect.high - joint.effect.low)
 
 
 def contradicted(joint: JointDesign) -> bool:
@@ -219,12 +222,12 @@ def clearance_sentence(design: Design) -> str:
     certain = [joint for joint in design.joints if not unknown(joint)]
     uncertain = [joint.name for joint in design.joints if joint not in certain]
     subject = f"{words(design.measure)} {reference_words(design)}"
+    opposite = [joint.name for joint in certain if contradicted(joint)]
+    if not opposite and (text := indifference(design, subject)):
+        return text
     if not certain:
         return ranking_sentence(design, subject)
     decisive = max(certain, key=lambda joint: abs(joint.effect.value) if joint.effect else 0.0)
-    opposite = [joint.name for joint in certain if contradicted(joint)]
-    if not uncertain and not opposite and (text := indifference(design, subject)):
-        return text
     value, span = effect_cells(design, decisive)
     growth, name = prefixed(decisive.growth, "m"), decisive.name
     beginning = f"The clearance of {name} matters most: {growth} more"
@@ -245,7 +248,13 @@ def clearance_sentence(design: Design) -> str:
     change = f"{value} ({span})"
     if decisive.effect and (difference := effect_difference(design, decisive.effect)):
         change += f", {difference}"
+    change += f" at clearances of {neighbour_words(decisive)}"
     return f"{'; '.join([f'{beginning} changes {subject} by {change}', *ends])}."
+
+
+def neighbour_words(joint: JointDesign) -> str:
+    """Return the least and the largest clearance of the machines that an effect comes from."""
+    return quantities(joint.clearance - joint.growth, joint.clearance + joint.growth, "m", exact=True)
 
 
 def equal_joints(joints: list[JointDesign], decisive: JointDesign) -> list[str]:
@@ -274,7 +283,11 @@ def indifference(design: Design, subject: str) -> str:
     changes = []
     for joint in design.joints:
         width = joint.limits[1] - joint.limits[0] if joint.limits else 0.0
-        size = max(abs(joint.effect.low), abs(joint.effect.high)) if joint.effect else math.inf
+        size = (
+            max(abs(joint.effect.low), abs(joint.effect.high))
+            if joint.effect and has_range(joint)
+            else math.inf
+        )
         changes.append(size * max(1.0, width / joint.growth))
     values, allowed = design.values_within_limits.tolist(), 0.01 * NO_MATTER * design.scale
     if max(changes) > NO_MATTER * unit or (values and max(values) - min(values) > allowed):
@@ -306,7 +319,7 @@ def ranking_sentence(design: Design, subject: str) -> str:
     if not visible:
         return (
             f"No clearance visibly affects {subject}: its rank correlations with all of them over {machines}"
-            f" include 0, and it varies from {low} to {high}."
+            f" include 0, and in these machines it varies from {low} to {high}."
         )
     name, first = visible[0]
     sure_size = min(abs(first.low), abs(first.high))
@@ -387,11 +400,12 @@ def effect_cautions(design: Design) -> Iterator[str]:
             f" confidence, over {machines} machines whose clearances vary from the finest to the"
             " coarsest fit; +1 or -1 means that the clearance alone decides."
         )
-    if any(not unknown(joint) for joint in design.joints):
+    if any(map(has_range, design.joints)):
         yield (
-            "Effects are those of machines that have the larger clearance, beside machines that have not;"
-            " their ranges cover clearances that hardly differ and two time steps. More or less clearance"
-            " than that may have other effects."
+            'An effect is that of a clearance larger by the column "larger by", the mean over five clearances'
+            " from so much less than in the model to that of the model. Its range covers these five and two"
+            f" time steps; clearances elsewhere may have another effect. It is {UNKNOWN} if its sign differs"
+            " among the five."
         )
     elif design.sensitivity is not None:
         yield (

@@ -6,8 +6,14 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from .amounts import prefixed
-from .design_words import and_words, default_limit_words, end, quantity_of, words
+import numpy as np
+from numpy.typing import NDArray
+
+from ..numerics.outward import UP
+from ..numerics.scalar import power
+from ..studies.spec.limits import CONFIDENCE
+from .amounts import percent, prefixed
+from .design_words import MISSING, and_words, default_limit_words, end, quantity_of, words
 from .searches import allocation as allocation_document
 
 if TYPE_CHECKING:
@@ -42,7 +48,9 @@ def fit_sentence(design: Design) -> str:
         "descent": "Fits that limit {}, each as cheap as the others allow, are",
     }[design.search].format(aim)
     assumption = ASSUMPTION.format(design.limit_deviations)
-    choice = f"{subject} {fits}; {share} of these machines stay below {reached}, {assumption}."
+    choice = (
+        f"{subject} {fits}; {share} of {answer.machines} such machines stay below {reached}, {assumption}."
+    )
     return " ".join([choice, *limit_sentences(design)])
 
 
@@ -51,18 +59,42 @@ def limit_sentences(design: Design) -> Iterator[str]:
     values = design.values_within_limits
     if len(values) and design.limit is not None:
         low, high = (quantity_of(design, float(end)) for end in (values.min(), values.max()))
-        exceeding = int((values > design.limit).sum())
+        part = even_values(design)
+        counted, place = (part, " evenly distributed") if len(part) else (values, "")
+        exceeding = int((counted > design.limit).sum())
         excess = (
-            f"{exceeding or 'none'} of these {len(values)} machines exceed{'s' * (exceeding == 1)} the limit"
+            f"{exceeding or 'none'} of these {len(counted)}{place} machines"
+            f" exceed{'s' * (exceeding == 1)} the limit"
         )
         yield (
             f"In {len(values)} machines within the limits of these fits ({machine_words(design)}),"
-            f" {words(design.measure)} is {low} to {high}; {excess}. Other clearances within these limits may"
-            f" give more. {jump_sentence(design)}{largest_sentence(design)}"
+            f" {words(design.measure)} is {low} to {high}; {excess}. {bound_sentence(design)}"
+            f" {jump_sentence(design)}{largest_sentence(design)}"
         )
     if coarsest := coarsest_fits(design):
         fits = "; ".join(f"{fit} for {and_words(names)}" for fit, names in coarsest.items())
         yield f"Coarser fits than these were not tried: {fits} (--cost names other grades)."
+
+
+def even_values(design: Design) -> NDArray[np.float64]:
+    """Return the measure (SI) of the machines evenly distributed within the limits of the fits."""
+    return np.concatenate([machines.values for machines in design.even_machines] or [np.empty(0)])
+
+
+def bound_sentence(design: Design) -> str:
+    """Return how many other machines within the limits may have more than the largest value: of n independent
+    machines none exceeds it, which has the probability (1 - p)^n if a share p of all does.
+    """
+    values = even_values(design)
+    largest = quantity_of(design, float(design.values_within_limits.max()))
+    share = 1.0 - power(1.0 - CONFIDENCE, 1.0 / max(1, len(values)))
+    if not len(values) or not np.isfinite(values).all():
+        return f"Other clearances within these limits may give more than {largest}: in how many is {MISSING}."
+    return (
+        f"Other clearances within these limits may give more than {largest}: at most"
+        f" {percent(100.0 * share, 0.1, UP)} of machines whose clearances are evenly distributed do, with"
+        f" {100.0 * CONFIDENCE:g} % confidence. By how much is {MISSING}."
+    )
 
 
 def jump_sentence(design: Design) -> str:
@@ -95,7 +127,7 @@ def machine_words(design: Design) -> str:
     if (corners := design.corners) is None:
         return ""
     near = design.around.count if design.around is not None else 0
-    inner = len(design.values_within_limits) - corners.count - near
+    inner = sum(machines.count for machines in design.even_machines)
     if len(corners.clearances) == 1 << len(corners.names):
         place = "every clearance at a limit" if len(corners.names) > 1 else "the clearance at a limit"
     else:
@@ -125,6 +157,12 @@ def coarsest_fits(design: Design) -> dict[str, list[str]]:
 
 def fit_remedy(design: Design) -> str:
     """Return what may give fits: finer grades do not where more clearance makes the measure smaller."""
+    low = design.sample.span[0] if design.sample is not None and design.sample.count else -math.inf
+    if design.limit is not None and low > design.limit:
+        return (
+            f"all {design.sample.count if design.sample else 0} machines from the finest to the coarsest fit"
+            f" exceed it, with {quantity_of(design, low)} or more: allow a higher limit (--limit)"
+        )
     falling = [name for name, rank in design.ranks.items() if rank.high < 0.0 and name in design.letters]
     if falling:
         return f"more clearance of {and_words(falling)} makes it smaller; allow coarser grades (--cost) there"

@@ -14,8 +14,8 @@ class KelvinVoigt(Linear):
     source = "definition"
     formula = "F = k d + c d'"
 
-    stiffness: float = quantity("N/m", "stiffness k", above=0.0)
-    damping_coefficient: float = quantity("N s/m", "damping coefficient c", low=0.0)
+    stiffness: float = quantity("N/m", "stiffness k: force over depth with another law", above=0.0)
+    damping_coefficient: float = quantity("N s/m", "damping coefficient c, such as 1e-4 s x k", low=0.0)
 
     def parameters(self, pair: Pair) -> tuple[float, ...]:
         """k (N/m) and c (N s/m)."""
