@@ -227,7 +227,7 @@ def classify(
         match = repeated_since(turns, comparison, tolerance, streak, (cycle,))
         if match is not None:
             return _periodic(turns, comparison, tolerance, match)
-        if motion.motion != "not periodic":
+        if motion.motion not in UNREPEATED:
             return motion
         count, cycles = motion.count, max((motion.count - motion.first + 1) // cycle, 1)
         if count < (streak + 1) * cycle:

@@ -9,6 +9,7 @@ from .catalogue import measures
 from .error_ranges import evaluated_turns, joined, of_a_turn, over_turns, sizes, window
 from .extrapolation import SAFETY
 from .output_intervals import with_intervals
+from .repetition import UNREPEATED
 from .samples import Samples
 from .turns import each_turn
 from .values import Measured
@@ -80,4 +81,4 @@ def samples_of(part: Record, run: Record) -> dict[str, Samples]:
     # The outputs of a repetition are the last ones of the run; ``missing`` others come before them.
     missing = len(run.steps) - len(part.steps)
     lanes = [[of_a_turn(turn, None, None) for turn in each_turn(part, motion.first, motion.last, missing)]]
-    return over_turns(lanes, (1.0,), all_lanes=False, chaotic=motion.motion == "not periodic")
+    return over_turns(lanes, (1.0,), all_lanes=False, chaotic=motion.motion in UNREPEATED)
