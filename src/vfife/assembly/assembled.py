@@ -104,9 +104,9 @@ class Assembly:
     contact_joints: tuple[str, ...] = ()
     mobility: Any = None
     notes: tuple[str, ...] = ()
-    missing_joints: tuple[str, ...] = ()
     shared: tuple[str, ...] = ()
     companion_states: NDArray[np.float64] | None = None
+    missing_joints: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return (
