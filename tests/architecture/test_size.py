@@ -13,10 +13,10 @@ import pytest
 from architecture.size import Size, size_of, sizes, tokens
 
 LIMITS = Size(
-    files=508,
-    code=74_400,
-    tokens=752_000,
-    import_lines=7_230,
+    files=510,
+    code=74_800,
+    tokens=757_000,
+    import_lines=7_280,
     inner_imports=103,
     many_arguments=10,
     tuples=28,

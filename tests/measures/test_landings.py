@@ -15,7 +15,8 @@ from vfife.laws import Hertz, KelvinVoigt, LankaraniNikravesh
 from vfife.laws.law import ContactLaw
 from vfife.measures.forces import joint_force_max, joint_rows
 from vfife.measures.landings import lasting_landings, measured_knocks, start_fall
-from vfife.report.cautions import SEATED, fall_remark, falling_journals, landing_cautions
+from vfife.report.cautions import landing_cautions
+from vfife.report.fall_cautions import SEATED, fall_remark, falling_journals
 from vfife.report.front import conclusion
 from vfife.report.overview import certainty, joint_table
 from vfife.report.run import document

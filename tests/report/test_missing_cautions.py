@@ -11,8 +11,9 @@ import vfife
 from vfife import gallery, studies
 from vfife.modelfile import dump, loads
 from vfife.report.case_cautions import KINDS
-from vfife.report.cautions import contact_extremes, excesses, fall_of
+from vfife.report.cautions import contact_extremes, excesses
 from vfife.report.damping_cautions import damping_cautions, shock_cautions
+from vfife.report.fall_cautions import fall_of
 from vfife.report.study import document
 from vfife.report.terminal import as_text
 

@@ -97,7 +97,7 @@ def test_remarks_say_how_it_was_found() -> None:
         "2 of 3 searches reached this point"
     )
     assert "90 ± 5.7 deg" in fit_of(ONE, over="angle", offset=math.pi / 2.0, offset_error=0.1).remarks[0]
-    unknown = fit_of(replace(ONE, known=False), offset=0.5, offset_error=0.01).remarks[0]
+    unknown = fit_of(replace(ONE, known=False), offset=0.5, offset_error=math.nan).remarks[0]
     assert "taken 500 ms after" in unknown and "confidence not known" in unknown and "±" not in unknown
     assert (
         "(correlation 0.11)" in fit_of(ONE, autocorrelation=0.11).remarks[0]

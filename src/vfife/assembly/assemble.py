@@ -335,7 +335,7 @@ def finished(
         mechanism, topology, layout, state, draft.tables, numbering.bodies,
         tuple(t.name for t in parts.touches), tuple(ideals), pivots, choice, tuple(mechanism.springs),
         tuple(t.joint.name for t in parts.touches), draft.motion.mobility, notes,
-        shared(layout, state, topology, ideals, pivots, numbering.driven),
+        shared=shared(layout, state, topology, ideals, pivots, numbering.driven),
     )  # fmt: skip
 
 

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 from ..measures.landings import lasting_landings
 from ..measures.whirl import backward_whirls
 from ..results.run_data import RunData
-from .cautions import contact_extremes, excesses, fall_of
+from .cautions import contact_extremes, excesses
 from .damping_cautions import damping_cautions, shock_cautions
+from .fall_cautions import fall_of
 
 if TYPE_CHECKING:
     from ..results.study import Study

@@ -13,7 +13,7 @@ from ..measures.wear import SIDES
 from ..model.surfaces import body_of, surface_words
 from ..numerics.outward import DOWN, UP, rounded
 from .amounts import percent, prefixed, quantities, turns_words
-from .cautions import fall_remark, rebound_cautions
+from .cautions import rebound_cautions
 from .design_words import (
     MISSING,
     UNKNOWN,
@@ -34,6 +34,7 @@ from .design_words import (
 )
 from .digits import NOT_DETERMINED
 from .document import Bullets, Document, Facts, Figure, Paragraph, Part, Section, Table
+from .fall_cautions import fall_remark
 from .fits import fit_cautions, fit_sentence, fits_data
 from .overview import settling_options
 from .pages import model_parts

@@ -11,9 +11,9 @@ from ..measures.catalogue import unit_of
 from ..measures.values import NOT_ESTIMATED
 from ..numerics.outward import DOWN, UP, significant_range
 from .amounts import decimals, fixed_point, prefixed, quantities, quantity
-from .cautions import SEATED, fall_caution, fall_of
 from .design_words import and_words
 from .document import Caution, Document, Paragraph, Part, Table, incomplete, paragraphs
+from .fall_cautions import SEATED, fall_caution, fall_of
 
 if TYPE_CHECKING:
     from ..measures.landings import Fall
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from ..studies.methods.compare import Comparison
 
 SMALLEST = 1e-6  # per cent by one per cent: smaller effects are rounding
+NEGLIGIBLE = 0.01  # share of the largest known effect: unknown effects that stay below it have no row
 MEANINGLESS = 100.0  # per cent by one per cent: a range that reaches further says nothing
 WIDE = 0.05  # share of the largest derivative of a measure: wider ranges get a note
 CORRELATED, MOST_PAIRS = 0.5, 6
@@ -43,14 +44,14 @@ NOTES = {
     "change": "* change for 1 %: the derivative does not describe it.",
     "unknown": (
         "? sign or order of magnitude not known: changes of 1 % differ with their direction or with the size"
-        " of the step. These rows stand last, by the largest end of their range; any of them may matter most."
+        " of the step. These rows stand last, by the largest end of their range."
     ),
 }
 
 
 def sensitivity(result: Sensitivity, top: int = 8) -> Document:
     """Return a document of the ``top`` most influential parameters for each measure, and of as many whose
-    influence is unknown.
+    influence is unknown and may be more than a hundredth of the largest.
     """
     rows: list[tuple[str, ...]] = []
     kinds: set[str] = set()
@@ -62,7 +63,9 @@ def sensitivity(result: Sensitivity, top: int = 8) -> Document:
             effect for effect in result.effects(name) if max(abs(effect.low), abs(effect.high)) > SMALLEST
         ]
         unknown = [effect for effect in effects if effect.kind == "unknown"]
-        effects = effects[: len(effects) - len(unknown)][:top] + unknown[:top]
+        effects = effects[: len(effects) - len(unknown)][:top]
+        floor = NEGLIGIBLE * max((effect.size for effect in effects), default=0.0)
+        effects += [effect for effect in unknown if effect.size > floor][:top]
         kinds |= {effect.kind for effect in effects}
         rows += [
             ((name, f"{value:.5g}") if k == 0 else ("", "")) + (effect.path, *effect_cells(effect))

@@ -31,8 +31,8 @@ from .case_errors import (
     turn_data,
     turn_words,
 )
-from .cautions import fall_remark
 from .document import Caution, Document, Paragraph, Part, Table, incomplete
+from .fall_cautions import fall_remark
 
 if TYPE_CHECKING:
     from ..results.parameters import Varied

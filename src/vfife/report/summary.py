@@ -29,8 +29,6 @@ from ..model.wear import deepest
 from ..solvers.record import Record
 from ..solvers.refinement import worth_other_meshes, worth_refining
 from .cautions import (
-    fall_caution,
-    fall_of,
     largest_by_joint,
     law_cautions,
     static_cautions,
@@ -39,6 +37,7 @@ from .cautions import (
     wide_contacts,
 )
 from .dead_centres import dead_centres
+from .fall_cautions import fall_caution, fall_of
 from .freedom import freedom_left
 from .trust import over_several_turns, trust_summary, turns_summary, verdict
 

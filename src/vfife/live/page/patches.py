@@ -35,8 +35,8 @@ from ...errors import VfifeError
 from ...model.functions import turn_of
 from ...model.mechanism import Mechanism
 from ...modelfile import dump, loads
-from ...report.cautions import fall_remedy, falling_journals
 from ...report.design_words import and_words
+from ...report.fall_cautions import fall_remedy, falling_journals
 from ...simulation.simulate import prepare
 from ...simulation.start import expected_forces
 from ...solvers.arguments import RunArguments
