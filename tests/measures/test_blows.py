@@ -101,7 +101,7 @@ def test_the_answer_names_a_blow_that_makes_the_largest_force_of_a_joint_without
     lowest, excess = (summary["blows"]["C"][key] for key in ("lowest", "excess"))
     text = f"(single turns {interval(lowest, excess, 'N', 0.1 * excess)})"
     assert (text in blow) == over_several_turns(summary["turns"]), "no range with the words not estimated"
-    summary["turns"] |= {"motion": "not periodic", "count": 40, "first": 21, "last": 40}
+    summary["turns"] |= {"motion": "not repeating", "count": 40, "first": 21, "last": 40}
     assert text in blow_texts(summary)["C"] and "C up to 1" in blow_texts(summary)["C"]
     assert "A blow in closed contact: C" in " ".join(conclusion(summary))
     summary["blows"]["C"]["excess"] = 0.1 * summary["measures"]["C.force.max"]

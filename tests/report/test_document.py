@@ -500,7 +500,13 @@ def test_a_report_has_no_folder_of_the_user(tmp_path: Path) -> None:
 def test_the_first_sentence_of_a_report_tells_that_a_force_is_a_mean_over_turns() -> None:
     summary = with_ranges(B=(300.0, 400.0), C=(1000.0, 1400.0), D=(300.0, 400.0))
     assert "mean" not in conclusion(summary)[0]
-    summary["turns"] = {**(summary["turns"] or {}), "motion": "not periodic", "first": 11, "last": 20}
+    summary["turns"] = {
+        **(summary["turns"] or {}),
+        "motion": "not repeating",
+        "count": 20,
+        "first": 11,
+        "last": 20,
+    }
     for joint, highest in (("B", 500e3), ("D", 400e3)):
         value = summary["measures"][f"{joint}.force.max"]
         summary["ranges"][f"{joint}.force.max"] |= {"lowest": 0.5 * value, "highest": highest}
@@ -517,7 +523,13 @@ def test_single_turns_are_those_of_the_joint_whose_turns_reach_most() -> None:
     nothing about the largest one.
     """
     summary = with_ranges(B=(300.0, 400.0), C=(1000.0, 1400.0), D=(300.0, 400.0))
-    summary["turns"] = {**(summary["turns"] or {}), "motion": "not periodic", "first": 11, "last": 20}
+    summary["turns"] = {
+        **(summary["turns"] or {}),
+        "motion": "not repeating",
+        "count": 20,
+        "first": 11,
+        "last": 20,
+    }
     summary["ranges"]["D.force.max"] |= {"lowest": 100.0, "highest": 900.0}
     first, *_ = conclusion(summary)
     assert first.startswith("With clearance the largest joint force, a mean over turns, is "), first

@@ -325,7 +325,7 @@ def test_a_tenth_of_the_turns_decides(monkeypatch, raised, cautioned) -> None:
 @pytest.mark.parametrize(
     ("motion", "width", "estimated", "cautioned"),
     [
-        ("not periodic", 0.01, True, True),
+        ("not repeating", 0.01, True, True),
         ("periodic", 0.01, True, False),
         ("unsettled", 0.2, True, True),
         ("unsettled", 0.2, False, False),

@@ -341,7 +341,7 @@ def test_a_peak_of_torque_is_no_mean() -> None:
     """A motor is sized by mean power and mean torque, of which the peak is many times as large."""
     summary = copy.deepcopy(vfife.simulate(gallery.compressor(), turns=2, companions=1).summary)
     name, value = "crank.torque.max", summary["measures"]["crank.torque.max"]
-    summary["turns"] |= {"motion": "not periodic", "count": 40}
+    summary["turns"] |= {"motion": "not repeating", "count": 40}
     for spread in (0.0, 0.5):
         low, high = value * (1.0 - spread), value * (1.0 + spread)
         summary["ranges"][name] |= {"low": low, "high": high}

@@ -106,7 +106,7 @@ def test_a_mean_that_scatters_has_two_digits_beside_its_range() -> None:
         "ranges": {names[0]: bounds, names[1]: bounds | {"low": 323.0, "high": 608.0}}
         | {names[2]: bounds | {"low": 90.0, "high": 105.0}, names[3]: bounds | {"low": 0.0, "high": 15000.0}}
         | {names[4]: bounds | {"low": 1.19e-6, "high": 2.09e-6}},
-        "turns": {"motion": "not periodic"}, "not_estimated": [], "not_unique": [],
+        "turns": {"motion": "not repeating"}, "not_estimated": [], "not_unique": [],
     }  # fmt: skip
     assert [plain_number(summary, name) for name in names] == ["660", "480", "96", "6200", "1.6e-06"]
     shown = [reaction(summary, name, summary["measures"][name]) for name in names[:4]]
@@ -136,7 +136,7 @@ def test_turns_that_scatter_with_the_step_are_periodic(turns: int) -> None:
         motion = result.motion
         assert motion is not None and (motion.motion, motion.period) == ("periodic", period)
         assert motion.distance < motion.tolerance
-        assert "not periodic" not in words(result)
+        assert "not repeating" not in words(result)
     section = vfife.dynamics.poincare_section(pendulum(1.2), turns=60)
     assert section.verdict.period == 1
 

@@ -123,7 +123,7 @@ def test_a_range_beyond_all_turns_is_explained(low: float) -> None:
             bounds = summary["ranges"][measure]
             bounds |= {"lowest": 0.5 * bounds["low"], "highest": 2.0 * bounds["high"]}
     summary["ranges"][name] |= {"lowest": 0.7 * value, "highest": 1.2 * value}
-    summary["turns"] |= {"motion": "not periodic", "count": 40, "first": 1, "last": 2}
+    summary["turns"] |= {"motion": "not repeating", "count": 40, "first": 1, "last": 2}
     beyond = low < 0.7
     assert (MEANS in joint_table(summary).note) == (MEANS in tables(summary)[0].note) == beyond
     summary["turns"] |= {"motion": "periodic"}

@@ -160,7 +160,7 @@ RANGE = re.compile(r"([+-]?[\d.,]+(?:e[+-]\d+)?) to ([+-]?[\d.,]+(?:e[+-]\d+)?) 
 
 def summary_of(name: str, low: float, high: float) -> dict:
     return {
-        "measures": {name: 0.5 * (low + high)}, "turns": {"motion": "not periodic"}, "joints": {},
+        "measures": {name: 0.5 * (low + high)}, "turns": {"motion": "not repeating"}, "joints": {},
         "ranges": {name: {"low": low, "high": high, "lowest": low, "highest": high}},
         "not_estimated": [], "trust": {"sensitive": True},
     }  # fmt: skip

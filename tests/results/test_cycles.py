@@ -85,7 +85,7 @@ def test_turns_fewer_than_two_cycles_are_not_called_without_a_period() -> None:
     result = run(10, 12)
     said = result.motion
     assert said is not None and (said.motion, said.first, said.last) == ("unsettled", 12, 12)
-    assert "not decided" not in str(result)
+    assert "not repeating" not in str(result)
 
 
 def test_a_mechanism_of_a_single_speed_has_no_caution() -> None:
@@ -117,7 +117,7 @@ def test_the_mean_over_turns_that_never_repeat_has_an_error_of_sampling() -> Non
     hundred times its error by the step.
     """
     result = vfife.simulate(arm(math.pi), turns=24, outputs=OUTPUTS)
-    assert result.motion is not None and result.motion.motion == "not decided"
+    assert result.motion is not None and result.motion.motion == "not repeating"
     power = result.measures["upper.power.mean"]
     assert power.low < 0.0 < power.high
     last = vfife.simulate(arm(math.pi), turns=9, outputs=OUTPUTS).measures["upper.power.mean"]

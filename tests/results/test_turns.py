@@ -130,7 +130,7 @@ def test_turns_that_do_not_repeat_have_means_over_turns_and_companions() -> None
     assert (
         said is not None
         and left is not None
-        and said.motion == "not decided"
+        and said.motion == "not repeating"
         and (said.first, said.last) == (7, 12)
     )
     own = np.sqrt(peaks(result, "contact_force_squared_max", 0))[6:]
@@ -147,10 +147,10 @@ def test_turns_that_do_not_repeat_have_means_over_turns_and_companions() -> None
     assert (one.lowest, one.highest) == pytest.approx((every.min(), every.max()), rel=1e-13)
     assert one.variation > 2.0 * (most - least)  # single turns do not hold, means do
     told = result.summary
-    assert told["turns"]["motion"] == "not decided" and verdict(told).startswith(
-        "The 12 turns do not repeat; whether they will is not decided: single turns of "
+    assert told["turns"]["motion"] == "not repeating" and verdict(told).startswith(
+        "The 12 turns do not repeat: single turns of "
     )
-    assert any("is not decided before 40 turns" in line for line in turn_lines(told))
+    assert any("or in a longer transient" in line for line in turn_lines(told))
     assert told["warnings"][0] == verdict(told)
 
 
@@ -173,10 +173,11 @@ def test_the_force_that_varies_is_named_with_digits() -> None:
         f"{name}.force.max": {"lowest": low, "highest": high}
         for name, low, high in (("A", 998.0, 1001.0), ("B", 400.0, 515.0), ("C", 0.0, 9.0))
     }
-    told = {"turns": {"motion": "not periodic", "first": 7, "last": 12}, "trust": {}, "ranges": ranges}
+    turns = {"motion": "not repeating", "count": 12, "first": 7, "last": 12}
+    told = {"turns": turns, "trust": {}, "ranges": ranges}
     told["measures"] = {"A.force.max": 1000.0, "B.force.max": 500.0, "C.force.max": 3.0}
     assert scatter_over_turns(told).startswith(
-        "This motion is not periodic: single turns of B.force.max lie -20 to +3 % from their mean. "
+        "The 12 turns do not repeat: single turns of B.force.max lie -20 to +3 % from their mean. "
     )
     del ranges["B.force.max"]
     assert "A.force.max lie -0.20 to +0.10 % from" in scatter_over_turns(told)

@@ -13,7 +13,7 @@ import pytest
 from support import four_bar
 from vfife.assembly.assemble import assemble
 from vfife.measures.chaos import period, verdict
-from vfife.measures.repetition import DECIDING_TURNS, FEWEST_TURNS, MANY_TURNS, PEAK_STREAK, Turns, classify
+from vfife.measures.repetition import FEWEST_TURNS, MANY_TURNS, PEAK_STREAK, Turns, classify
 from vfife.solvers.companions import TurnRows
 from vfife.solvers.record import recorded_rows
 from vfife.solvers.repeating import (
@@ -72,7 +72,7 @@ def test_the_logistic_map_has_the_periods_it_is_known_for(r: float, period: int)
 @pytest.mark.parametrize("r", [3.58, 3.7, 3.9, 4.0])
 def test_chaos_is_not_periodic(r: float) -> None:
     found = say(logistic(r, 60))
-    assert found.motion == "not periodic" and found.period is None and found.since is None
+    assert found.motion == "not repeating" and found.period is None and found.since is None
     assert (found.first, found.last) == (31, 60)
 
 
@@ -82,12 +82,12 @@ def test_a_quasi_periodic_sequence_is_not_periodic() -> None:
     """
     golden = 0.5 * (math.sqrt(5.0) - 1.0)
     found = say(2.0 + np.sin(2.0 * math.pi * golden * np.arange(80)), 0.01)
-    assert found.motion == "not periodic" and found.distance > 0.01
+    assert found.motion == "not repeating" and found.distance > 0.01
 
 
 def test_a_period_longer_than_is_looked_for_is_none() -> None:
     assert say(np.tile(np.arange(1.0, LONGEST + 1.0), 5)).period == LONGEST
-    assert say(np.tile(np.arange(1.0, LONGEST + 2.0), 5)).motion == "not periodic"
+    assert say(np.tile(np.arange(1.0, LONGEST + 2.0), 5)).motion == "not repeating"
 
 
 @pytest.mark.parametrize(("rate", "tolerance"), [(0.5, 1e-3), (0.8, 1e-2), (0.9, 1e-2)])
@@ -123,9 +123,7 @@ def test_a_run_of_few_turns_is_told_by_its_last_period() -> None:
     assert (longer.since, longer.first, longer.last) == (3, 3, FEWEST_TURNS + 3)
     assert (
         say(logistic(3.9, MANY_TURNS - 1)).motion == "unsettled"
-        and say(logistic(3.9, MANY_TURNS)).motion == "not decided"
-        and say(logistic(3.9, DECIDING_TURNS - 1)).motion == "not decided"
-        and say(logistic(3.9, DECIDING_TURNS)).motion == "not periodic"
+        and say(logistic(3.9, MANY_TURNS)).motion == "not repeating"
     )
     assert math.isnan(say(x[:1]).distance)
 
@@ -138,7 +136,7 @@ def test_means_are_over_period_means() -> None:
 def test_means_are_over_a_hundred_turns_at_the_most() -> None:
     regular, wild = say(np.ones(250)), say(logistic(3.9, 300))
     assert (regular.motion, regular.first, regular.last) == ("periodic", 151, 250)
-    assert (wild.motion, wild.first, wild.last) == ("not periodic", 201, 300)
+    assert (wild.motion, wild.first, wild.last) == ("not repeating", 201, 300)
     assert say(logistic(3.9, 150)).first == 76, "the second half"
 
 
@@ -326,8 +324,8 @@ def test_turns_that_scatter_about_a_periodic_motion_have_its_period(
         )
         assert found.first >= 21 and not found.repeats
     else:
-        assert found.motion == "not periodic"
-    assert classify(turns, Plain(), 0.01).motion == "not periodic"  # type: ignore[arg-type]
+        assert found.motion == "not repeating"
+    assert classify(turns, Plain(), 0.01).motion == "not repeating"  # type: ignore[arg-type]
 
 
 def test_a_long_transient_leaves_the_last_quarter() -> None:
@@ -351,7 +349,7 @@ def test_largest_values_alone_must_repeat_three_times() -> None:
     assert say(values).period == 2
     turns = sequence(values)
     once = classify(turns, Plain(), 1e-3, None, PEAK_STREAK)  # type: ignore[arg-type]
-    assert once.motion == "not decided"
+    assert once.motion == "not repeating"
     again = [*turns, *turns[-2:], *turns[-2:]]
     assert classify(again, Plain(), 1e-3, None, PEAK_STREAK).period == 2  # type: ignore[arg-type]
 
@@ -400,19 +398,19 @@ def test_a_period_of_several_turns_needs_turns_that_differ(count: int, step: flo
 
 def test_points_that_approach_each_other_are_settling_wherever_the_outputs_are() -> None:
     """A geometric decay of e^-0.5 a turn, as of a pendulum that meets a stop at another output in each turn;
-    the same turns with chaotic largest values are not decided.
+    the same turns with chaotic largest values do not repeat.
     """
     for peaks, motion in (
         (1.0 + 2.0 * math.exp(-0.5) ** np.arange(13.0), "settling"),
         (1.0 + 0.3 * (-1.0) ** np.arange(13) + 2.0 * 0.5 ** np.arange(13.0), "settling"),
-        (1.0 + logistic(3.9, 13), "not decided"),
+        (1.0 + logistic(3.9, 13), "not repeating"),
     ):
 
         def points_of(first: int, last: int, peaks: np.ndarray = peaks) -> Points:
             return Points(peaks[first - 1 : last, None], np.ones(1))
 
         turns = struck(peaks, places(13, 0))
-        assert classify(turns, Plain(), 1e-3).motion == "not decided"  # type: ignore[arg-type]
+        assert classify(turns, Plain(), 1e-3).motion == "not repeating"  # type: ignore[arg-type]
         assert classify(turns, Plain(), 1e-3, points_of).motion == motion  # type: ignore[arg-type]
 
 

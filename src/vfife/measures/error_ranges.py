@@ -26,7 +26,7 @@ from .energy import unstable_companions
 from .event_ranges import event_errors, friction_losses, widened
 from .extrapolation import SCATTER, SCATTER_OF_TRIES, VANISHING, error_of_mean, widen
 from .output_intervals import cut_errors
-from .repetition import UNREPEATED, Turns, part_of, turns
+from .repetition import Turns, part_of, turns
 from .samples import Samples
 from .statics import EXACT
 from .turns import after_first, companion_turns_of, each_turn, last_turn, of_window, record_of_companion
@@ -193,11 +193,25 @@ def over_tries(
 
 def _reach(record: Record, name: str, sample: Samples) -> tuple[float, float]:
     """Return low and high from the values at several step sizes, or from the estimated error of a
-    smooth run.
+    smooth run and that of sampling.
     """
     if record.estimate is None:
         return sample.error_range(name)
-    return widen(name, sample.value, sample.value, record.estimate.errors.get(name, 0.0))
+    error = record.estimate.errors.get(name, 0.0) + sample.mean_error
+    return widen(name, sample.value, sample.value, error)
+
+
+def step_hulls(record: Record, ranges: Mapping[str, Measured]) -> dict[str, Measured]:
+    """Return measures with the ranges of their values at all steps and tries or, of a run with an estimate,
+    within their estimated errors, without the errors of sampling that ``ranges`` contain.
+    """
+    if record.estimate is None:
+        return over_tries(record, groups=PEAKS)
+    errors = record.estimate.errors
+    return {
+        name: Measured(value, *widen(name, value, value, errors.get(name, 0.0)))
+        for name, value in ranges.items()
+    }
 
 
 def _estimated(record: Record, name: str, sample: Samples) -> bool:
@@ -271,7 +285,7 @@ def samples(
     lanes = [each_turn(record, motion.first, motion.last), *companion_turns]
     values = [[of_a_turn(turn, reference, groups) for turn in lane] for lane in lanes]
     counts = joined(over_run(record), [over_run(lane) for lane in companion_records(record)], ratios)
-    is_chaotic = motion.motion in UNREPEATED
+    is_chaotic = motion.motion == "not repeating"
     return over_turns(values, ratios, all_lanes=not motion.repeats, chaotic=is_chaotic) | counts
 
 

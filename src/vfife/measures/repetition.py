@@ -10,7 +10,7 @@ ends. A motion whose turns approach each other is still settling: the logarithms
 falling line, at least those of the later half after a transient. So is one whose turns alternate about their
 limit and repeat in pairs for the moment, while the
 two of a pair approach each other. A motion that neither repeats, scatters nor settles within ten turns is
-not decided, and from forty turns on called not periodic; its measures are means, because no single turn
+called not repeating: it has no period, or a longer transient. Its measures are means, because no single turn
 represents it.
 
 If the step does not divide a turn, the turns have no outputs in common, and are compared by their largest
@@ -53,14 +53,10 @@ from ..solvers.repeating import (
 from .chaos import scattered_period
 
 Array = NDArray[np.float64]
-Motion = Literal["periodic", "settling", "unsettled", "not decided", "not periodic"]
-UNREPEATED = ("not decided", "not periodic")  # motions whose measures are means that scatter by chance
+Motion = Literal["periodic", "settling", "unsettled", "not repeating"]
 
 FEWEST_TURNS = 4  # turns of a run below which its measures are those of its last period, not means
 MANY_TURNS = 10  # turns from which on measures of a motion that neither repeats nor settles are means
-# Turns from which on such a motion is called not periodic: of pendulums between stops of period 1, a twelfth
-# had a longer transient in which turns had nothing in common.
-DECIDING_TURNS = 40
 MOST_TURNS = 100  # turns of which a mean is taken
 # Largest distance of points in the later half of the turns over that in the earlier half, of points that
 # approach each other: a transient falls so, if not steadily. Of 400 chaotic sequences of 10 to 25 points 1 %
@@ -76,9 +72,8 @@ class Turns:
     """Turns of a run at constant speed.
 
     ``motion``: "periodic" if each turn from ``since`` on (counted from 1) repeats the one ``period`` turns
-    before it within ``tolerance``; "settling" if turns approach each other; "not periodic" if many turns do
-    neither; "not decided" if these are so few that a transient looks alike; "unsettled" if there are too
-    few. ``distance`` of the last turn from the one it is nearest to
+    before it within ``tolerance``; "settling" if turns approach each other; "not repeating" if many turns do
+    neither; "unsettled" if there are too few. ``distance`` of the last turn from the one it is nearest to
     (:func:`~vfife.solvers.repeating.distance`) is NaN for a single turn. Measures are of the turns ``first``
     to ``last`` of ``count``.
 
@@ -103,7 +98,7 @@ class Turns:
     @property
     def repeats(self) -> bool:
         """Whether measures are those of a single motion, not means that scatter by chance."""
-        return self.motion not in UNREPEATED and not self.scatters
+        return self.motion != "not repeating" and not self.scatters
 
     @property
     def has_several(self) -> bool:
@@ -227,7 +222,7 @@ def classify(
         match = repeated_since(turns, comparison, tolerance, streak, (cycle,))
         if match is not None:
             return _periodic(turns, comparison, tolerance, match)
-        if motion.motion not in UNREPEATED:
+        if motion.motion != "not repeating":
             return motion
         count, cycles = motion.count, max((motion.count - motion.first + 1) // cycle, 1)
         if count < (streak + 1) * cycle:
@@ -321,13 +316,12 @@ def _classify(
             return periodic
     if repeated is not None:
         return _periodic(turns, comparison, tolerance, repeated)
-    # Of a motion that is not periodic the second half of the turns counts, without the transient before it.
+    # Of a motion that does not repeat the second half of the turns counts, without the transient before it.
     distances = nearest(turns, comparison)
-    kind: Motion = "not periodic" if count >= DECIDING_TURNS else "not decided"
-    motion: Motion = kind if count >= MANY_TURNS else "unsettled"
+    motion: Motion = "not repeating" if count >= MANY_TURNS else "unsettled"
     if settles(distances) or settles_late(distances):
         motion = "settling"
-    first = count - min(count // 2, MOST_TURNS) + 1 if motion in UNREPEATED else count
+    first = count - min(count // 2, MOST_TURNS) + 1 if motion == "not repeating" else count
     return Turns(count, motion, None, None, distances[-1] if distances else math.nan, tolerance, first, count)
 
 

@@ -6,11 +6,9 @@ from ..solvers.record import Estimate, Record
 from ..solvers.refinement import Refined
 from ..solvers.repeating import turn_grid
 from .catalogue import measures
-from .error_ranges import evaluated_turns, joined, of_a_turn, over_turns, sizes, window
+from .error_ranges import evaluated_turns, of_a_turn, over_turns, sizes, window
 from .extrapolation import SAFETY
 from .output_intervals import with_intervals
-from .repetition import UNREPEATED
-from .samples import Samples
 from .turns import each_turn
 from .values import Measured
 from .zero_limits import scales_of_run
@@ -29,21 +27,15 @@ def estimate(record: Record, refined: Refined) -> Estimate:
     step (:func:`error_of`).
 
     Two runs may agree on a measure by chance. Therefore no relative error is taken to be smaller than FLOOR
-    times the largest relative error of the largest values. Means over turns that do not repeat have the error
-    of sampling in addition.
+    times the largest relative error of the largest values.
     """
-    samples = samples_of(record, record)
-    full = {name: sample.value for name, sample in samples.items()}
-    half, quarter = (values_of(part, record) for part in (refined.half, refined.quarter))
+    full, half, quarter = (values_of(part, record) for part in (record, refined.half, refined.quarter))
     names = [name for name in full if not name.endswith(PLACES) and name in half and name in quarter]
     errors = {name: error_of(full[name], half[name], quarter[name], refined.ratio) for name in names}
     run_sizes = {name: Measured(value, value - errors.get(name, 0.0), value) for name, value in full.items()}
     size = sizes(run_sizes, record.assembly.choice.step, scales_of_run(record))
     floor = FLOOR * max((errors[name] / size[name] for name in errors if name in size), default=0.0)
-    errors = {
-        name: max(error, floor * size.get(name, abs(full[name]))) + samples[name].mean_error
-        for name, error in errors.items()
-    }
+    errors = {name: max(error, floor * size.get(name, abs(full[name]))) for name, error in errors.items()}
     return Estimate(refined.order, with_intervals(errors, record, window(record)), refined.converges)
 
 
@@ -67,18 +59,13 @@ def error_of(value: float, half: float, quarter: float, motion: float | None) ->
 
 
 def values_of(part: Record, run: Record) -> dict[str, float]:
-    """Return the values of :func:`samples_of`."""
-    return {name: sample.value for name, sample in samples_of(part, run).items()}
-
-
-def samples_of(part: Record, run: Record) -> dict[str, Samples]:
     """Return the measures of a ``run`` from its last outputs, or from those of its repetition at another
     step.
     """
     motion, grid = evaluated_turns(run), turn_grid(run.assembly)
     if motion is None or grid is None or not motion.has_several:
-        return joined(measures(part), [], (1.0,))
+        return measures(part)
     # The outputs of a repetition are the last ones of the run; ``missing`` others come before them.
     missing = len(run.steps) - len(part.steps)
     lanes = [[of_a_turn(turn, None, None) for turn in each_turn(part, motion.first, motion.last, missing)]]
-    return over_turns(lanes, (1.0,), all_lanes=False, chaotic=motion.motion in UNREPEATED)
+    return {name: sample.value for name, sample in over_turns(lanes, (1.0,), all_lanes=False).items()}

@@ -14,8 +14,8 @@ from ..solvers.record import Record
 from ..solvers.status import Status
 from .catalogue import PEAKS
 from .energy import is_unstable, open_share, own_floor, unstable_companions
-from .error_ranges import largest, later_spread, over_tries, ranged, spreads
-from .repetition import UNREPEATED, turns
+from .error_ranges import largest, later_spread, ranged, spreads, step_hulls
+from .repetition import turns
 from .statics import spreads as static_spreads
 from .values import Measured
 from .zero_limits import scales_of_run
@@ -74,7 +74,7 @@ def trust(record: Record, measures: dict[str, Measured] | None = None) -> Trust 
     if record.static:
         widths = static_spreads(record, measures)
     else:
-        hulls = measures if companions is None else over_tries(record, groups=PEAKS)
+        hulls = step_hulls(record, measures)
         widths = spreads(hulls, record.assembly.choice.step, scales_of_run(record))
     name, spread = largest(widths)
     if not record.static and spread <= SENSITIVE:  # perhaps because they part after their largest values
@@ -144,7 +144,7 @@ def finer(record: Record) -> tuple[tuple[float, float | None], ...] | None:
 def not_periodic(record: Record) -> bool:
     """Return whether measures are means over turns of a motion that is not periodic."""
     motion = turns(record)
-    return motion is not None and motion.motion in UNREPEATED
+    return motion is not None and motion.motion == "not repeating"
 
 
 def too_deep(record: Record) -> bool:

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 from ..laws.contact.forms import PointContact
 from ..measures.forces import ground_joints
-from ..measures.repetition import UNREPEATED
 from ..measures.turn_peaks import (
     LEAST_LOAD,
     LOAD_RATIO,
@@ -252,7 +251,7 @@ def _is_undamped(law: ContactLaw, p: tuple[float, ...]) -> bool:
 
 def _is_sensitive(result: RunData, name: str) -> bool:
     """Return whether the largest force of a joint scatters by chance, or depends on the step."""
-    if result.motion is not None and result.motion.motion in UNREPEATED:
+    if result.motion is not None and result.motion.motion == "not repeating":
         return True
     force = result.measures.get(f"{name}.force.max")
     return force is not None and force.estimated and force.width > SENSITIVE_FORCE * abs(force.value)

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..measures.catalogue import is_ideal_zero
-from ..measures.repetition import UNREPEATED
 from ..measures.values import NOT_ESTIMATED
 from ..numerics.outward import DOWN, UP, exponent, significant_range
 from ..numerics.scalar import log10
@@ -65,7 +64,7 @@ def uncertainty(summary: Json, name: str) -> float:
     turns = summary.get("turns") or {}
     if (turns.get("period") or 1) > 1:
         return numerical
-    alike = turns.get("motion") not in UNREPEATED and not turns.get("scatters")
+    alike = turns.get("motion") != "not repeating" and not turns.get("scatters")
     return max(numerical, scatter) if alike or numerical <= 0.0 else numerical
 
 
@@ -75,7 +74,7 @@ def turns_text(summary: Json, name: str, unit: str, share: float = SCATTER) -> s
     "" for any other.
     """
     bounds, turns = (summary.get("ranges") or {}).get(name), summary.get("turns") or {}
-    differ = turns.get("motion") in UNREPEATED or (turns.get("period") or 1) > 1 or turns.get("scatters")
+    differ = turns.get("motion") == "not repeating" or (turns.get("period") or 1) > 1 or turns.get("scatters")
     if not differ or bounds is None or is_about_zero(summary, name):
         return ""
     lowest, highest = float(bounds["lowest"]), float(bounds["highest"])
@@ -89,7 +88,7 @@ def fineness(motion: str | None) -> float:
     """Return the share of the range of single turns that their ends are shown to; other turns of chaos have
     other extremes.
     """
-    return 0.1 if motion in UNREPEATED else 0.01
+    return 0.1 if motion == "not repeating" else 0.01
 
 
 def is_estimated(summary: Json, name: str) -> bool:

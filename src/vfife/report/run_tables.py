@@ -8,7 +8,6 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from ..measures.catalogue import is_ideal_zero
 from ..measures.forces import MODES
-from ..measures.repetition import UNREPEATED
 from ..measures.values import NOT_ESTIMATED
 from ..model.surfaces import surface_words
 from ..numerics.outward import DOWN, NEAREST, UP, exponent, rounded
@@ -207,7 +206,7 @@ def note_on_means(summary: Json, names: Iterable[str]) -> str:
     """Return why ranges of means over turns that do not repeat reach beyond all of these turns; "" where none
     does.
     """
-    if (summary["turns"] or {}).get("motion") not in UNREPEATED:
+    if (summary["turns"] or {}).get("motion") != "not repeating":
         return ""
     bounds = [summary["ranges"][name] for name in names if is_estimated(summary, name)]
     is_wider = any(ends["low"] < ends["lowest"] or ends["high"] > ends["highest"] for ends in bounds)

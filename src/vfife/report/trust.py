@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from ..measures.error_ranges import BLOW_UP, tries_blew_up
-from ..measures.repetition import DECIDING_TURNS, UNREPEATED
 from ..measures.trust import HALVINGS, UNSTABLE_TRY, trust
 from ..measures.values import NOT_ESTIMATED
 from ..solvers.companions import SENSITIVE
@@ -61,7 +60,7 @@ def trust_summary(result: RunData) -> dict[str, Any]:
 def turns_summary(result: RunData) -> dict[str, Any]:
     """Return the entry ``turns`` of a summary; empty where turns cannot be compared.
 
-    ``count``, ``motion`` ("periodic", "settling", "unsettled", "not decided", "not periodic"),
+    ``count``, ``motion`` ("periodic", "settling", "unsettled", "not repeating"),
     ``period`` and ``since`` (turns), ``distance`` and ``tolerance`` (1), ``first`` and ``last`` of the turns
     that measures are means over; ``scatters`` where turns of a periodic motion scatter with the step, and
     ``peaks_only`` where they were compared by their largest values alone; ``decay`` (1) where a settling
@@ -85,7 +84,7 @@ def over_several_turns(turns: Json) -> bool:
 
 
 def verdict(summary: Json) -> str:
-    """Return the sentence that leads the summary of a sensitive run or of a motion that is not periodic;
+    """Return the sentence that leads the summary of a sensitive run or of turns that do not repeat;
     empty for any other.
     """
     trust = summary["trust"]
@@ -192,24 +191,21 @@ def _scatter_over_steps(trust: Json, value: float) -> str:
 
 
 def scatter_over_turns(summary: Json) -> str:
-    """Return the range of single turns of a motion that is not periodic; "" for any other.
+    """Return the range of single turns of a run whose turns do not repeat; "" for any other.
 
     It is that of the force whose turns differ most, among the largest; without forces that of the measure
     with the largest error.
     """
     turns = summary["turns"]
-    if not turns or turns["motion"] not in UNREPEATED:
+    if not turns or turns["motion"] != "not repeating":
         return ""
     name = _most_scattered(summary) or summary["trust"].get("measure")
     if not name or name not in summary["ranges"]:
         return ""
     bounds = summary["ranges"][name]
     share = deviations(bounds["lowest"], bounds["highest"], summary["measures"][name])
-    lead = "This motion is not periodic"
-    if turns["motion"] == "not decided":
-        lead = f"The {turns['count']} turns do not repeat; whether they will is not decided"
     return (
-        f"{lead}: single turns of {name} lie {share} from their mean. All"
+        f"The {turns['count']} turns do not repeat: single turns of {name} lie {share} from their mean. All"
         f" values are means over turns {turns['first']} to {turns['last']}; values of single turns do not"
         " repeat."
     )
@@ -408,13 +404,10 @@ def turn_lines(summary: Json) -> Iterator[str]:
             f"{count} turns do not repeat: the last is {distance} from the nearest before it; more turns show"
             " whether they will"
         ),
-        "not decided": (
-            f"{count} turns do not repeat: the last is {distance} from the nearest; whether the"
-            f" motion still settles is not decided before {DECIDING_TURNS} turns; quote means over turns"
-        ),
-        "not periodic": (
-            f"not periodic: {count} turns do not repeat, the last is {distance} from the nearest; quote"
-            " means over turns, not single turns"
+        "not repeating": (
+            f"{count} turns do not repeat: the last is {distance} from the nearest, as in a motion without a"
+            " period or in a longer transient, which more turns or vfife map section tell apart; quote means"
+            " over turns, not single turns"
         ),
     }
     if turns["motion"] == "periodic" and turns["period"] == 1:
