@@ -154,6 +154,23 @@ def test_the_peak_of_a_diagram_is_placed_against_the_dead_centres(
     assert len(notes) == (centre == "bottom dead centre")
 
 
+@pytest.mark.parametrize(
+    ("degrees", "bar", "has_note"),
+    [
+        ((0, 240, 270, 300, 330, 360), (1, 1, 11, 8, 1, 1), True),  # of a cylinder whose crank began at 90
+        ((0, 240, 270, 300, 330, 360), (1, 1, 11, 10, 10, 1), False),  # a valve that opens early
+        ((0, 290, 320, 330, 340, 360), (1, 1, 11, 1, 1, 1), False),
+    ],
+)
+def test_a_pressure_that_is_low_at_the_least_volume_has_a_caution(degrees, bar, has_note: bool) -> None:
+    """The head is at 0 degrees."""
+    m = slider_crank(0.3)
+    table = {"angles": [math.radians(place) for place in degrees], "pressure": [1e5 * value for value in bar]}
+    m.guide_force("gas", "guide", bore=0.05, ambient=1e5, reverse=True, **table)
+    notes = [note for note in outlook(m).notes if "low where the volume is least" in note]
+    assert len(notes) == has_note and all("peak at 270°, 90° before top" in note for note in notes)
+
+
 def test_a_shift_of_the_table_moves_its_dead_centre() -> None:
     m = slider_crank(0.3)
     angles = [math.radians(degrees) for degrees in (0.0, 178.0, 360.0)]

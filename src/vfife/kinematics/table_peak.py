@@ -27,6 +27,9 @@ TURN = 2.0 * math.pi
 # Share of the peak: places with values from there on belong to its plateau, of which the nearest to the dead
 # centre counts.
 PLATEAU = 0.99
+# A gas whose valves open early has its peak far before top dead centre, but keeps most of it up to there: a
+# peak so far away (degrees), with less than half of it so near top dead centre, is that of a shifted table.
+FAR, HALF, CLOSE = 45.0, 0.5, 30.0
 TOP, BOTTOM = "top dead centre", "bottom dead centre"
 # Positions of a turn are 10 degrees apart; the parabola through three of them misses a dead centre by less
 # than 0.05 degrees.
@@ -38,6 +41,7 @@ class TablePeak:
     """Peak of a table over the crank's angle: its ``value`` (N, or Pa with the ambient pressure), the
     ``place`` in the table (degrees), the name of the nearest dead ``centre`` with its place in the table
     (``centre_place``, degrees), and the ``lag`` (degrees) of the peak behind it, less than 0 ahead of it.
+    ``shifted``: the values around top dead centre are low.
     """
 
     value: float
@@ -45,6 +49,7 @@ class TablePeak:
     centre: str
     centre_place: float
     lag: float
+    shifted: bool = False
 
     @property
     def words(self) -> str:
@@ -83,32 +88,43 @@ def table_peak(mechanism: Mechanism, motion: Motion, turn: FullTurn, load: Load)
     lag = _wrapped(place - centres[nearest]) * turn.direction * motion.hand
     at = math.degrees(centres[nearest]) % 360.0
     at = 0.0 if 360.0 - at < 0.5 * RESOLUTION else round(at / RESOLUTION) * RESOLUTION
-    value = high + load.ambient_pressure
-    return TablePeak(value, math.degrees(place), (TOP, BOTTOM)[nearest], at, math.degrees(lag))
+    value, distance = high + load.ambient_pressure, abs(distance)
+    reach = min(abs(_wrapped(place - centres[0])) for place in _peaks(load, HALF))
+    shifted = distance > math.radians(FAR) and reach > math.radians(CLOSE)
+    return TablePeak(value, math.degrees(place), (TOP, BOTTOM)[nearest], at, math.degrees(lag), shifted)
 
 
 def misplaced_peaks(mechanism: Mechanism, motion: Motion, turn: FullTurn) -> tuple[str, ...]:
-    """Return a caution about each pressure that is largest where its cylinder is large."""
+    """Return a caution about each pressure that is largest where its cylinder is large, or low where it is
+    smallest.
+    """
     notes = []
     for name, load in mechanism.loads.items():
         peak = table_peak(mechanism, motion, turn, load)
-        if peak is not None and load.measured[0] == "Pa" and peak.centre == BOTTOM:
+        if peak is None or load.measured[0] != "Pa":
+            continue
+        if peak.centre == BOTTOM:
             notes.append(
                 f"The pressure of load {name} has its {peak.words}, where the volume is largest. If the table"
                 " counts from another dead centre, shift it with zero_angle."
             )
+        elif peak.shifted:
+            notes.append(
+                f"The pressure of load {name} has its {peak.words}, but is low where the volume is least. If"
+                " the table counts from top dead centre, zero_angle is the crank's angle there."
+            )
     return tuple(notes)
 
 
-def _peaks(load: Load) -> list[float]:
-    """Return the places (rad) of a table's largest values."""
+def _peaks(load: Load, share: float = PLATEAU) -> list[float]:
+    """Return the places (rad) of a table's values from a ``share`` of the largest on."""
     pieces = load.way(load.values, load.expression)
     if pieces is None:
         return [0.0]
     values = [row[0] for row in pieces.rows] + [pieces.ends[1]]
     low, high = min(values), max(values)
     places = zip((*pieces.starts, pieces.end), values, strict=True)
-    return [place for place, value in places if value - low >= PLATEAU * (high - low)]
+    return [place for place, value in places if value - low >= share * (high - low)]
 
 
 def _wrapped(angle: float) -> float:
