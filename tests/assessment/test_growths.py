@@ -237,11 +237,11 @@ def press(shift_mm: float) -> vfife.Mechanism:
     return loads(text.replace(old, new))
 
 
-@pytest.mark.slow("machines with larger clearances and fits of a press, thrice")
+@pytest.mark.slow("machines with larger clearances and fits of a press, twice")
 def test_a_zero_elsewhere_changes_no_verdict_on_a_position() -> None:
-    """Effects, digits and fits are the same with the zero at the guide, near the dead centre, and at it."""
+    """Effects, digits and fits are the same with the zero at the guide and at the dead centre."""
     answers = []
-    for shift in (0.0, 115.0, 115.768):
+    for shift in (0.0, 115.768):
         limit = f"{115.79 - shift:.6g} mm"
         found = vfife.design(
             press(shift), "guide.position.high", limit=limit, share=0.5, cost={"IT7": 2.5, "IT9": 1.0}
@@ -256,13 +256,12 @@ def test_a_zero_elsewhere_changes_no_verdict_on_a_position() -> None:
         shown = row(found, found.joints[0])[3:5]
         assert all(cell.endswith("µm") for cell in shown)
         limited = fit_sentence(found)
-        assert f"to {limit.replace('0.79 mm', '790 µm').replace('0.022 mm', '22 µm')} in 50 %" in limited
+        assert f"to {limit.replace('0.022 mm', '22 µm')} in 50 %" in limited
         reached = found.allocation.quantile.value
         assert reached < found.limit and quantity_of(found, reached) != quantity_of(found, found.limit)
         answers.append((found.allocation.fits, [difference, *(effect.value for effect in effects.values())]))
-    (fits, effects), *others = answers
-    for others_fits, others_effects in others:
-        assert others_fits == fits and others_effects == pytest.approx(effects, rel=1e-3)
+    (fits, effects), (shifted_fits, shifted_effects) = answers
+    assert shifted_fits == fits and shifted_effects == pytest.approx(effects, rel=1e-3)
 
 
 def position(nominal: float, ideal: float | None, change: float, **options) -> Design:

@@ -372,6 +372,8 @@ def value_cautions(design: Design) -> Iterator[str]:
     if design.measure.endswith(IMPACT_MEASURES):
         yield no_blows(design.measure)
     yield from rebound_cautions(design.mechanism, [design.measure])
+    if design.measure.endswith((".force.max", ".torque.max")):
+        yield "These machines have no cautions: vfife run states whether the contact law decides a force."
     low, high = design.nominal_range or (0.0, 0.0)
     if design.nominal is not None and high - low > SCATTERED * design.scale:
         yield (
