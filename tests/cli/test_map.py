@@ -42,7 +42,7 @@ def test_a_map_is_drawn_told_and_gone_on_with(command, tmp_path, request):
     )
     done = command(*words)
     assert done.exit_code == 0, done.stderr
-    assert "haos was found" in done.stdout and "On the way down: " in done.stdout
+    assert "haotic within 3 turns: on the way up" in done.stdout and "On the way down: " in done.stdout
     assert "2 turns" not in done.stdout and "3 turns at each value, 1 discarded" in done.stdout
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG") and len(
         (tmp_path / "a.csv").read_text().splitlines()

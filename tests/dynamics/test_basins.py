@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -15,11 +16,12 @@ from vfife.dynamics.basins import Basins, attractors, basins
 from vfife.dynamics.bifurcation import bifurcation
 from vfife.dynamics.step_check import CheckedMap, Companion, packed, sampled, unpacked
 from vfife.errors import ModelError
-from vfife.measures.chaos import verdict
+from vfife.measures.chaos import Verdict, verdict
 from vfife.modelfile import load
 from vfife.plots.dynamics import shares
 from vfife.report.document import Table
 from vfife.report.dynamics import _transients as transient_sentences
+from vfife.report.dynamics import _unsettled_starts as unsettled_sentences
 from vfife.report.dynamics import basins as basins_document
 
 LOOSE = "examples/slider_crank_loose_pin.toml"
@@ -93,6 +95,25 @@ def test_the_table_and_the_figure_number_the_motions_alike(wells) -> None:
 )
 def test_motions_that_may_be_transients_are_named_by_number(transients: list[int], said: str) -> None:
     assert transient_sentences(SimpleNamespace(transients=transients))[0].startswith(said)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("kinds", "sentences"),
+    [
+        (["period 1"] * 3 + ["not settled"], []),
+        (
+            ["period 1"] * 2 + ["not settled"],
+            ["1 of 3 starts are not settled: take more turns (--turns 600)."],
+        ),
+        (["period 1", "chaotic"], ["Chaotic within 60 turns: a longer transient is possible: --turns 600."]),
+    ],
+)
+def test_starts_that_may_need_more_turns_are_named(kinds: list[str], sentences: list[str]) -> None:
+    found: Any = SimpleNamespace(
+        verdicts=dict(enumerate(Verdict(kind, None, 0.0) for kind in kinds)), spec=SimpleNamespace(turns=60)
+    )
+    found.words_of = partial(CheckedMap.words_of, found)
+    assert unsettled_sentences(found) == sentences
 
 
 @pytest.mark.system("breaks a grid of starts off")
@@ -274,9 +295,11 @@ def test_companions_that_differ_are_named() -> None:
         Companion(1, 0, 2.0, "quasi-periodic"),
     ]
     assert unpacked(packed(some)) == some and unpacked(None) == []
-    said = Members("", None, tuple(some)).step_report
+    spec = SimpleNamespace(turns=90)
+    said = Members("", spec, tuple(some)).step_report
+    assert "member 1 is chaotic within 90 turns, with" in said and "step chaotic" not in said
     assert "2 of 4 companions" in said and "member 0 is period 1, with 0.5 times the step period 2" in said
-    short = type("Short", (Members,), {"most_differences": 1})("", None, tuple(some)).step_report
+    short = type("Short", (Members,), {"most_differences": 1})("", spec, tuple(some)).step_report
     assert "step period 2; 1 more differ" in short and "member 1" not in short
     assert sampled(400, 5) == (40, 120, 200, 280, 360) and sampled(2, 5) == (0, 1) and sampled(10, 0) == ()
 

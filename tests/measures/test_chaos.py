@@ -119,6 +119,9 @@ def test_motions_are_told_with_their_evidence():
     ):
         points, logs = logistic(r, 400, dropped=20_000)
         assert verdict(points, exponent(logs)).kind == said
+    said = str(verdict(points, exponent(logs), dropped=200))
+    assert said.startswith("chaotic within 600 turns: ")
+    assert said.endswith("; a longer transient is possible: --turns 6000")
     # Too few points to repeat: no share of a range, and no shift that was not tried.
     assert "whether turns repeat is not known" in verdict(np.array([0.0, 1.0])).evidence
     assert verdict(logistic(3.9, 5)[0]).evidence.startswith("points a turn apart agree within")

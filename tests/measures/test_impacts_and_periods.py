@@ -13,11 +13,11 @@ import pytest
 from made_records import STEP, made_record
 from support import four_bar, journal_in_bearing
 from vfife.laws import Coulomb, LuGre, Pair
-from vfife.measures.chaos import EQUAL, Verdict, exponent, period, recurrence_distance, rotation, verdict
+from vfife.measures.chaos import Verdict, exponent, verdict
 from vfife.measures.contacts import impacts, largest_pressures, line_pressure, mean_pressure
 from vfife.measures.forces import normals
 from vfife.measures.impact import initial_memory, presliding
-from vfife.measures.trend import zero_one
+from vfife.measures.trend import EQUAL, period, recurrence_distance, rotation, zero_one
 from vfife.model.mechanism import Mechanism
 from vfife.model.wear import Wear
 

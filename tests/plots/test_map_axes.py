@@ -45,14 +45,16 @@ def test_attractors_have_colours_of_their_own_and_numbers() -> None:
     """More attractors than colours: the most frequent are named, the others are one entry."""
     kinds = ["period 1"] * 9 + ["chaotic", "not settled", "period 2"]
     groups = [Attractor(kind, np.zeros((0, 1)), (2 * k, 2 * k + 1)) for k, kind in enumerate(kinds)]
-    result = SimpleNamespace(attractors=groups, verdicts=dict.fromkeys(range(24)))
+    result = SimpleNamespace(
+        attractors=groups, verdicts=dict.fromkeys(range(24)), spec=SimpleNamespace(turns=60)
+    )
     colour = colours(result)
     own = [shade for shade in colour if shade != FURTHER_COLOUR]
     assert len(set(own)) == len(own) == len(PERIODIC) + 2 and colour.count(FURTHER_COLOUR) == 3
     entries = shares(result, colour)
     texts = [entry.get_label() for entry in entries]
     assert texts[0] == "1. period 1: 8.33 %" and texts[-1] == "3 other periodic motions: 25 %"
-    assert "10. chaotic: 8.33 %" in texts and len(set(texts)) == len(texts) == 10
+    assert "10. chaotic within 60 turns: 8.33 %" in texts and len(set(texts)) == len(texts) == 10
     assert [to_hex(entry.get_facecolor()).upper() for entry in entries[:7]] == [
         to_hex(c).upper() for c in PERIODIC
     ]

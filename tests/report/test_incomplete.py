@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -18,6 +19,7 @@ from support import four_bar
 from tribology.test_wear import GIVEN as WEAR
 from tribology.test_wear import loose_pin
 from vfife.dynamics import basins, load_map, poincare_section, waterfall
+from vfife.dynamics.step_check import CheckedMap
 from vfife.plots.sensitivity import bars, forces
 from vfife.report.dynamics import _chaos
 from vfife.report.front import conclusion
@@ -85,6 +87,20 @@ def test_no_chaos_is_not_said_of_motions_that_are_not_decided() -> None:
     assert words("period 1", "period 2") == "No chaos was found."
     assert words("not settled", "not decided").startswith("Whether there is chaos is not known")
     assert words("period 1", "not settled") == "No chaos was found; of 1 of 2 motions nothing is known."
+
+
+def test_chaos_is_limited_to_the_turns_that_are_computed() -> None:
+    def words(*companions: object) -> str:
+        diagram: Any = SimpleNamespace(
+            shown=(1.0, "m"), progress="", kinds=[("chaotic", "period 1")], companions=companions,
+            spec=SimpleNamespace(ways=["up"], values=(1.0, 2.0), turns=90),
+        )  # fmt: skip
+        diagram.words_of = partial(CheckedMap.words_of, diagram)
+        return _chaos(diagram)
+
+    found = "Chaotic within 90 turns: on the way up at 1 m (1 of 2 values); a longer transient is possible: "
+    assert words() == f"{found}--turns 900."
+    assert words(1) == f"{found}--turns 900. Companions make as many turns and do not show it."
 
 
 def test_basins(tmp_path: Path) -> None:

@@ -25,7 +25,7 @@ from ..measures.attractors import (
     step_share,
     tolerance_of,
 )
-from ..measures.chaos import CHAOTIC, TEST_POINTS, UNDECIDED, Verdict, exponent, verdict
+from ..measures.chaos import CHAOTIC, TEST_POINTS, UNDECIDED, Verdict, exponent
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..options import with_options
@@ -46,7 +46,7 @@ from .maps import (
     models_along,
     neighbours_of,
 )
-from .series import chosen_series, motion_ranges, with_peaks
+from .series import chosen_series, classified, motion_ranges, with_peaks
 from .start_states import StartStates, refuse_contradiction, unit_of_start, values_between
 from .step_check import (
     SAMPLE,
@@ -186,7 +186,7 @@ class Basins(CheckedMap):
         """
         exponents = {k: exponent(growth) if len(growth) > 1 else None for k, growth in self.growth.items()}
         motions = {
-            k: verdict(points, exponents[k], ranges=partial(motion_ranges, self.spec, points))
+            k: classified(self.spec, points, exponents[k])
             for k, points in sorted(self.points.items())
             if len(points)
         }
@@ -242,8 +242,8 @@ class Basins(CheckedMap):
 
     @property
     def transients(self) -> list[int]:
-        """Indices of the periodic :attr:`attractors` from which no small difference decays: they may be
-        transients near an unstable motion.
+        """Indices of the periodic :attr:`attractors` whose exponents do not show that a small difference
+        decays: they may be transients near an unstable motion.
         """
         return [
             k
@@ -315,7 +315,7 @@ class Basins(CheckedMap):
         for case, motion in self.verdicts.items():
             value = "" if motion.exponent is None else finite(motion.exponent.value)
             numbers = self.spec.numbers(case).values()
-            yield [*numbers, int(labels[case]) + 1, motion.kind, value, *self.points[case][-1].tolist()]
+            yield [*numbers, int(labels[case]) + 1, motion.words, value, *self.points[case][-1].tolist()]
 
 
 def thirds(values: Sequence[float]) -> list[int]:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..errors import Fault, ModelError
 from ..measures.attractors import tolerance_of
-from ..measures.chaos import Verdict, exponent, verdict
+from ..measures.chaos import Verdict, exponent
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..modelfile.parameter import Parameter
@@ -43,7 +43,7 @@ from .maps import (
     neighbours_of,
     unit_at,
 )
-from .series import chosen_series, motion_ranges, series_values
+from .series import chosen_series, classified, motion_ranges, series_values
 from .start_states import StartStates, refuse_contradiction, start_words, values_between
 from .step_check import (
     SAMPLE,
@@ -107,8 +107,8 @@ class SweepSpec(MapSpec):
 
 @dataclass(frozen=True)
 class Spell:
-    """A range of neighbouring values with the same ``kind`` of motion: its ``first`` and ``last`` value and
-    their ``count``.
+    """A range of neighbouring values with the same ``kind`` of motion, in words: its ``first`` and ``last``
+    value and their ``count``.
     """
 
     kind: str
@@ -158,7 +158,7 @@ class Bifurcation(CheckedMap):
             growth[chain, value] = logarithms
             largest = exponent(logarithms)
             exponents[chain, value] = largest.value, *largest.halves
-            kinds[chain][value] = verdict(values, largest, ranges=partial(motion_ranges, spec, values)).kind
+            kinds[chain][value] = classified(spec, values, largest).kind
         ordered = tuple(
             sorted(companions, key=lambda companion: (companion.way, companion.number, companion.ratio))
         )
@@ -189,15 +189,12 @@ class Bifurcation(CheckedMap):
         spells: list[Spell] = []
         for kind, pairs in groupby(kinds, key=lambda pair: pair[1]):
             values = [value for value, _ in pairs]
-            spells.append(Spell(kind, values[0], values[-1], len(values)))
+            spells.append(Spell(self.words_of(kind), values[0], values[-1], len(values)))
         return spells
 
     def verdict(self, chain: int, value: int) -> Verdict:
         """Return the kind of motion at a value of a chain, with its evidence."""
-        points = self._series(chain, value)
-        return verdict(
-            points, exponent(self.growth[chain, value]), ranges=partial(motion_ranges, self.spec, points)
-        )
+        return classified(self.spec, self._series(chain, value), exponent(self.growth[chain, value]))
 
     def _series(self, chain: int, value: int) -> Array:
         """Return the series at a value of a chain, shape (turns, series)."""
@@ -232,9 +229,9 @@ class Bifurcation(CheckedMap):
         for chain, way in enumerate(self.spec.ways):
             for k, value in enumerate(self.spec.values):
                 if kind := self.kinds[chain][k]:
-                    points = self._series(chain, k).tolist()
+                    points, words = self._series(chain, k).tolist(), self.words_of(kind)
                     for turn, row in enumerate(points, self.spec.dropped + 1):
-                        yield [value, way, turn, *row, finite(self.exponents[chain, k, 0]), kind]
+                        yield [value, way, turn, *row, finite(self.exponents[chain, k, 0]), words]
 
 
 def unit_in(rows: MapRows) -> str:

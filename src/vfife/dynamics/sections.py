@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Unpack
 
@@ -17,7 +17,7 @@ from ..assembly.assembled import Assembly
 from ..files import write_rows
 from ..kinematics.initial import ideal_motion
 from ..kinematics.start import Misfit
-from ..measures.chaos import Exponent, Verdict, exponent, verdict
+from ..measures.chaos import Exponent, Verdict, exponent
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..options import with_options
@@ -27,7 +27,7 @@ from ..solvers.impact_section import COLUMNS, Sectioning
 from ..solvers.interrupts import ChunkSize
 from ..store.studyfile import MapFile
 from .maps import MAP_DEFAULTS, Map, MapOptions, MapRows, MapSpec, TurnRun, neighbours_of
-from .series import chosen_series, motion_ranges, refuse_unknown, series_values
+from .series import chosen_series, classified, refuse_unknown, series_values
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -122,7 +122,7 @@ class PoincareSection(Map):
     def verdict(self) -> Verdict:
         """Kind of the motion, with the evidence."""
         points = np.stack(list(self.points.values()), axis=1)
-        return verdict(points, self.exponent, ranges=partial(motion_ranges, self.spec, points))
+        return classified(self.spec, points, self.exponent)
 
     @cached_property
     def misfit(self) -> Misfit | None:

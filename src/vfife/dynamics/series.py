@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..assembly.assembled import Assembly
 from ..errors import Fault, ModelError, suggestion
+from ..measures.chaos import Exponent, Verdict, verdict
 from ..modelfile import loads
 from ..results.run_data import RunData, standing
 from ..simulation.turn_steps import with_steps
@@ -110,6 +111,13 @@ def motion_ranges(spec: Any, points: Array) -> Array:
     The model may have no contact yet in its first turns.
     """
     return with_peaks(_ranges(spec.model, spec.series, spec.steps), spec.series, points)
+
+
+def classified(spec: Any, points: Array, growth: Exponent | None) -> Verdict:
+    """Classify a motion of a map by its ``points``, shape (turns, series), and the exponent of its
+    ``growth``.
+    """
+    return verdict(points, growth, ranges=partial(motion_ranges, spec, points), dropped=spec.dropped)
 
 
 def with_peaks(ranges: Array, series: Sequence[str], points: Array) -> Array:

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
 import numpy as np
@@ -19,13 +18,13 @@ from numpy.typing import NDArray
 from ..assembly.assembled import Assembly
 from ..errors import VfifeError
 from ..measures.attractors import same_motion
-from ..measures.chaos import CHAOTIC, DIVERGED, QUASI, UNDECIDED, UNSETTLED, exponent, verdict
+from ..measures.chaos import CHAOTIC, DIVERGED, QUASI, UNDECIDED, UNSETTLED, exponent, kind_words
 from ..simulation.turn_steps import with_steps
 from ..solvers.record import recorded_rows
 from ..solvers.tangents import Neighbours, steps_of_turn
 from ..solvers.turn_runner import PATH_OUTPUTS, Orbit, Orbits, Start, TurnRunner, restepped
 from .maps import Map
-from .series import motion_ranges, series_values
+from .series import classified, series_values
 
 if TYPE_CHECKING:
     from .basins import BasinSpec
@@ -83,6 +82,10 @@ class CheckedMap(Map):
         points, tolerance = motion
         return same_motion((kind, points), (case.kind, case.points), tolerance)
 
+    def words_of(self, kind: str) -> str:
+        """Return a kind of motion in words."""
+        return kind_words(kind, self.spec.turns)
+
     def name_of(self, case: Companion) -> str:
         """Return a companion's case as text, for example a parameter and its value."""
         raise NotImplementedError
@@ -115,8 +118,8 @@ class CheckedMap(Map):
         agreeing = f"{len(comparisons) - len(differing)} of {len(comparisons)} companions agree"
         text = f"{cases} case{'s' * (cases != 1)} repeated with {steps} times the step: {agreeing}"
         differences = [
-            f"{self.name_of(case)} is {kind}, with {1.0 / case.ratio:g} times the step"
-            f" {f'another motion of {kind}' if case.kind == kind else case.kind}"
+            f"{self.name_of(case)} is {self.words_of(kind)}, with {1.0 / case.ratio:g} times the step"
+            f" {f'another motion of {kind}' if case.kind == kind else self.words_of(case.kind)}"
             for case, kind in differing[: self.most_differences]
         ]
         if left_out := len(differing) - len(differences):
@@ -231,7 +234,7 @@ def chain_companions(
         rows, growth = runner.growing(spec.turns, spec.dropped, neighbours)
         for k, variant in enumerate(variants):
             points = series_values(variant, runner.row_numbers, rows[:, :, k], spec.series, runner.turn)
-            kind = verdict(points, exponent(growth[:, k]), ranges=partial(motion_ranges, spec, points)).kind
+            kind = classified(spec, points, exponent(growth[:, k])).kind
             companions.append(Companion(numbers[k], k, ratio, kind, points))
     return companions
 
@@ -272,5 +275,5 @@ def start_companions(
         for orbit, points in orbits(spec, neighbours, [make(number, steps) for number in sample], steps):
             if orbit.assembly is not None:
                 growth = exponent(orbit.growth) if len(orbit.growth) else None
-                kind = verdict(points, growth, ranges=partial(motion_ranges, spec, points)).kind
+                kind = classified(spec, points, growth).kind
                 yield Companion(orbit.number, 0, ratio, kind, points)

@@ -16,7 +16,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from .chaos import CHAOTIC, DIVERGED, EQUAL, Verdict
+from .chaos import CHAOTIC, DIVERGED, Verdict
+from .trend import EQUAL
 
 Array = NDArray[np.float64]
 # Largest share of the range of a motion within which the points of two motions are equal: the largest scatter
@@ -178,9 +179,13 @@ def _least_tolerance(motions: dict[int, tuple[Array, Verdict]], alike: float, of
 
 
 def is_attracting(motions: Sequence[Verdict]) -> bool:
-    """Return whether a small difference decays in one of some ``motions``, or is not known in one."""
+    """Return whether a small difference decays over all turns of one of some ``motions``, or is not known in
+    one. A difference that rotates need not decay in both halves of the turns.
+    """
     exponents = [motion.exponent for motion in motions]
-    return any(growth is None or math.isnan(growth.value) or growth.decays for growth in exponents)
+    return any(
+        growth is None or math.isnan(growth.value) or growth.value < -growth.margin for growth in exponents
+    )
 
 
 def _merged(groups: list[Attractor], motions: dict[int, tuple[Array, Verdict]]) -> list[Attractor]:

@@ -25,21 +25,22 @@ from ..solvers.repeating import SHARE_OF_SCATTER, STEP_SHARE, TREND, Points, alt
 from .trend import (
     IRREGULAR,
     REGULAR,
+    TIMES,
     Rotation,
-    largest_difference,
+    alikeness,
+    period,
+    recurrence_distance,
     rotation,
     rows_of,
+    smallest_difference,
+    spread,
     winding,
     zero_one_of_bands,
 )
 
 Array = NDArray[np.float64]
 
-# Points are equal if they differ by less than this share of their size, however small the range of all points
-# is.
-EQUAL = 1e-5
 LONGEST = 16  # longest period of points that scatter, in points
-TIMES = 3  # that a period must be seen
 STEP_UNKNOWN = "uncertainty due to the step: not estimated"
 # Widths by which the range of an exponent exceeds its values: of two step sizes, and of four means over turns
 # (:mod:`~vfife.measures.error_ranges`).
@@ -170,53 +171,27 @@ def exponent(growth: Sequence[float] | Array) -> Exponent:
     return Exponent(float(running[-1]), math.nan, math.nan, running, (min(means), max(means)))
 
 
-def period(points: Array, tolerance: float = 1e-3) -> int | None:
-    """Return the smallest number of points after which they repeat, None if they do not within a third of
-    them.
-
-    ``points``: shape (points,) or (points, coordinates); two are equal within ``tolerance`` of the range of
-    all, or :data:`EQUAL` of their size, because a motion that comes to rest has no range. A period must be
-    seen three times.
-    """
-    points = rows_of(points)
-    size = np.maximum(tolerance * np.ptp(points, axis=0), smallest_difference(points))
-    for shift in range(1, len(points) // TIMES + 1):
-        if (largest_difference(points, shift) <= size).all():
-            return shift
-    return None
-
-
-def smallest_difference(points: Array) -> Array:
-    """Return the difference below which coordinates are equal, shape (coordinates,)."""
-    return np.asarray(EQUAL * np.abs(points).max(axis=0) + 1e-300)
-
-
-def alikeness(points: Array) -> float:
-    """Return the largest range of coordinates as a share of their size if none exceeds :data:`EQUAL`, so that
-    all points are equal and a share of their range says nothing; NaN otherwise.
-    """
-    share = float((np.ptp(points, axis=0) / (np.abs(points).max(axis=0) + 1e-300)).max())
-    return share if share <= EQUAL else math.nan
-
-
-def recurrence_distance(points: Array, shift: int | None = None) -> float:
-    """Return the difference of points a ``shift`` apart, as a share of the range of all; without ``shift``
-    the smallest.
-    """
-    points = rows_of(points)
-    size = np.maximum(np.ptp(points, axis=0), smallest_difference(points))
-    shifts = range(1, len(points) // TIMES + 1) if shift is None else (shift,)
-    return min(
-        (float((largest_difference(points, shift) / size).max()) for shift in shifts), default=float("nan")
-    )
-
-
 QUASI, CHAOTIC, UNSETTLED, DIVERGED = "quasi-periodic", "chaotic", "not settled", "diverged"
 NO_POINTS = "nothing recorded yet"
 UNDECIDED = "not decided"  # points repeat although a small difference grows, which excludes each other
 TEST_POINTS = 100  # points from which on the 0-1 test is used
 ORDINALS = {2: "second", 4: "fourth"}  # points of which the 0-1 test takes one
 AGREEING = 2.0  # largest ratio of the exponents of both halves, for fewer points
+# Times as many turns as were computed, to which a longer computation is advised: with loose pins and stops,
+# transients that looked chaotic ended after up to 700 turns.
+LONGER = 10
+
+
+def kind_words(kind: str, turns: int) -> str:
+    """Return a kind of motion in words: chaos within the ``turns`` that were computed, because a transient
+    that is longer looks alike.
+    """
+    return f"{kind} within {turns:,} turns" if kind == CHAOTIC else kind
+
+
+def longer_transient(turns: int) -> str:
+    """Return what chaos within some ``turns`` leaves open, and the remedy."""
+    return f"a longer transient is possible: --turns {LONGER * turns}"
 
 
 @dataclass(frozen=True)
@@ -232,6 +207,7 @@ class Verdict:
     between these turns that the step may make the difference; 0 for others. ``stride``: the 0-1 test is of
     every so many points. ``winding``: rotation number on a closed curve, NaN if points follow none.
     ``alike``: largest distance of points as a share of their size, where they are equal; NaN otherwise.
+    ``turns`` of a chaotic motion, with those before the points.
     """
 
     kind: str
@@ -247,9 +223,15 @@ class Verdict:
     stride: int = 1
     winding: float = math.nan
     alike: float = math.nan
+    turns: int = 0
 
     def __str__(self) -> str:
-        return f"{self.kind}: {self.evidence}"
+        return f"{self.words}: {self.evidence}"
+
+    @property
+    def words(self) -> str:
+        """The kind in words."""
+        return kind_words(self.kind, self.turns)
 
     @property
     def evidence(self) -> str:
@@ -285,7 +267,8 @@ class Verdict:
         number = self.rotation.number if self.rotation is not None and closed else self.winding
         if not math.isnan(number) and not self.reason:
             texts.append(f"one closed curve, gone round {number:.4f} times a turn")
-        return ", ".join(texts)
+        open_end = f"; {longer_transient(self.turns)}" if self.kind == CHAOTIC else ""
+        return ", ".join(texts) + open_end
 
     @property
     def _cause(self) -> str:
@@ -330,12 +313,6 @@ def scattered_period(points: Array, ranges: Array, limit: float = SCATTER) -> tu
     return None
 
 
-def spread(points: Array, shift: int, ranges: Array) -> float:
-    """Return the largest difference (1, of ``ranges``) of points a ``shift`` apart."""
-    size = np.maximum(ranges, smallest_difference(points))
-    return float((np.abs(points[shift:] - points[:-shift]) / size).max())
-
-
 def longer_period(points: Array, ranges: Array, shift: int) -> int:
     """Return the smallest multiple of a ``shift`` after which points that scatter repeat much better, so that
     the step alone does not explain their scatter; 0 for none.
@@ -376,9 +353,10 @@ def verdict(
     growth: Exponent | None = None,
     tolerance: float = 1e-3,
     ranges: Callable[[], Array] | None = None,
+    dropped: int = 0,
 ) -> Verdict:
-    """Classify a motion by its ``points``, shape (points,) or (points, coordinates), and the exponent of its
-    ``growth`` if known.
+    """Classify a motion by its ``points``, shape (points,) or (points, coordinates), after ``dropped`` turns,
+    and the exponent of its ``growth`` if known.
 
     ``ranges`` computes the range of each coordinate in the whole motion, shape (coordinates,). If a small
     difference decays, points that lie within a hundredth of it are periodic, and scatter with the step. So do
@@ -422,7 +400,7 @@ def verdict(
     longest = len(points) // TIMES
     return Verdict(
         kind, None, distance, growth, test, turning,
-        reason=reason, longest=longest, stride=stride, winding=number,
+        reason=reason, longest=longest, stride=stride, winding=number, turns=dropped + len(points),
     )  # fmt: skip
 
 

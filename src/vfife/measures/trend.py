@@ -1,5 +1,6 @@
-"""Points of a motion, once a turn: the closed curve on which those of a quasi-periodic motion lie, and the
-0-1 test, whether they are irregular. Whether they settle: :mod:`~vfife.solvers.repeating`.
+"""Points of a motion, once a turn: whether they repeat, the closed curve on which those of a quasi-periodic
+motion lie, and the 0-1 test, whether they are irregular. Whether they settle:
+:mod:`~vfife.solvers.repeating`.
 """
 
 from __future__ import annotations
@@ -14,6 +15,10 @@ from ..numerics.elementwise import atan2, hypot, sincos
 
 Array = NDArray[np.float64]
 
+# Points are equal if they differ by less than this share of their size, however small the range of all points
+# is.
+EQUAL = 1e-5
+TIMES = 3  # that a period must be seen
 ROUGHEST = 5.0  # variation of the radius along a closed curve, over twice its range
 ORDERED = 0.95  # share of neighbours along a closed curve whose next points have the same order
 ANGLES = 100  # angles of the 0-1 test
@@ -34,6 +39,53 @@ def rows_of(points: Array) -> Array:
     """Return the points as numbers, shape (points, coordinates)."""
     points = np.asarray(points, dtype=float)
     return points.reshape(len(points), math.prod(points.shape[1:]))
+
+
+def period(points: Array, tolerance: float = 1e-3) -> int | None:
+    """Return the smallest number of points after which they repeat, None if they do not within a third of
+    them.
+
+    ``points``: shape (points,) or (points, coordinates); two are equal within ``tolerance`` of the range of
+    all, or :data:`EQUAL` of their size, because a motion that comes to rest has no range. A period must be
+    seen three times.
+    """
+    points = rows_of(points)
+    size = np.maximum(tolerance * np.ptp(points, axis=0), smallest_difference(points))
+    for shift in range(1, len(points) // TIMES + 1):
+        if (largest_difference(points, shift) <= size).all():
+            return shift
+    return None
+
+
+def smallest_difference(points: Array) -> Array:
+    """Return the difference below which coordinates are equal, shape (coordinates,)."""
+    return np.asarray(EQUAL * np.abs(points).max(axis=0) + 1e-300)
+
+
+def alikeness(points: Array) -> float:
+    """Return the largest range of coordinates as a share of their size if none exceeds :data:`EQUAL`, so that
+    all points are equal and a share of their range says nothing; NaN otherwise.
+    """
+    share = float((np.ptp(points, axis=0) / (np.abs(points).max(axis=0) + 1e-300)).max())
+    return share if share <= EQUAL else math.nan
+
+
+def recurrence_distance(points: Array, shift: int | None = None) -> float:
+    """Return the difference of points a ``shift`` apart, as a share of the range of all; without ``shift``
+    the smallest.
+    """
+    points = rows_of(points)
+    size = np.maximum(np.ptp(points, axis=0), smallest_difference(points))
+    shifts = range(1, len(points) // TIMES + 1) if shift is None else (shift,)
+    return min(
+        (float((largest_difference(points, shift) / size).max()) for shift in shifts), default=float("nan")
+    )
+
+
+def spread(points: Array, shift: int, ranges: Array) -> float:
+    """Return the largest difference (1, of ``ranges``) of points a ``shift`` apart."""
+    size = np.maximum(ranges, smallest_difference(points))
+    return float((np.abs(points[shift:] - points[:-shift]) / size).max())
 
 
 @dataclass(frozen=True)

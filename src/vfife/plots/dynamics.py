@@ -10,8 +10,9 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from ..measures.chaos import EQUAL, STEP_UNKNOWN, signed_range
+from ..measures.chaos import STEP_UNKNOWN, kind_words, signed_range
 from ..measures.motion import within_turn
+from ..measures.trend import EQUAL
 from .style import (
     BLUE,
     BODIES,
@@ -144,7 +145,7 @@ def shares(result: Basins, colour: list[str]) -> list[Patch]:
     """
     total = max(len(result.verdicts), 1)
     groups = [
-        (shade, f"{k}. {attractor.kind}", len(attractor.members))
+        (shade, f"{k}. {kind_words(attractor.kind, result.spec.turns)}", len(attractor.members))
         for k, (shade, attractor) in enumerate(zip(colour, result.attractors, strict=True), 1)
         if shade != FURTHER_COLOUR
     ]
@@ -223,7 +224,7 @@ def section(result: PoincareSection) -> Figure:
     convergence(axes[1], result)
     for k, name in enumerate(result.struck, 1):
         onsets(axes[2 * k], axes[2 * k + 1], result, name)
-    turns = f"{result.verdict.kind}; {result.done:,} turns after {result.spec.dropped:,}"
+    turns = f"{result.verdict.words}; {result.done:,} turns after {result.spec.dropped:,}"
     repeated = result.exponent is not None and result.exponent.estimated
     steps = "range of the exponent with half the step" if repeated else "one step size"
     heading(figure, _title(result, turns, steps), result.progress)

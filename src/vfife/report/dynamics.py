@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ..job.progress import counted
 from ..measures.chaos import (
     CHAOTIC,
+    LONGER,
     LONGER_OR_STEP,
     NO_POINTS,
     SCATTER,
@@ -19,6 +20,7 @@ from ..measures.chaos import (
     TEST_POINTS,
     UNDECIDED,
     UNSETTLED,
+    longer_transient,
 )
 from .amounts import quantity
 from .design_words import and_words
@@ -64,7 +66,7 @@ def diagram(result: Bifurcation) -> Document:
     heads = ways if spec.starts else (f"values on the way {ways[0]}", f"on the way {ways[1]}")
     counts = [Counter(kind for kind in kinds if kind) for kinds in result.kinds]
     rows = [
-        (kind, *(count[kind] for count in counts))
+        (result.words_of(kind), *(count[kind] for count in counts))
         for kind in sorted({kind for count in counts for kind in count}, key=_period)
     ]
     texts = [
@@ -75,9 +77,9 @@ def diagram(result: Bifurcation) -> Document:
         ),
         _protocol(result, f"{spec.turns} turns at each value"),
         (
-            "A motion is periodic if points repeat within 0.1 % of the range, chaotic if a small difference"
-            " grows more than e-fold in each half of the turns, and by more than the error of so few."
-            f" Exponents, {STEP_UNKNOWN}."
+            "A motion is periodic if points repeat within 0.1 % of the range, chaotic within these turns if a"
+            " small difference grows more than e-fold in each half of them, and by more than the error of so"
+            f" few. Exponents, {STEP_UNKNOWN}."
         ),
         _step_errors(result),
         f"Companions: {result.step_report or 'none.'}",
@@ -134,7 +136,11 @@ def _chaos(result: Bifurcation) -> str:
             computed = " computed" if result.progress else ""
             texts.append(f"{direction} {place} ({len(values)} of {sum(map(bool, kinds))}{computed} values)")
     if texts:
-        return f"Chaos was found {', '.join(texts)}."
+        limit = " Companions make as many turns and do not show it." if result.companions else ""
+        return (
+            f"{result.words_of(CHAOTIC).capitalize()}: {', '.join(texts)};"
+            f" {longer_transient(result.spec.turns)}.{limit}"
+        )
     place = f" in the {result.progress}" if result.progress else ""
     motions = [kind for kinds in result.kinds for kind in kinds if kind]
     open_kinds = sum(kind in (UNDECIDED, UNSETTLED) for kind in motions)
@@ -167,7 +173,8 @@ def basins(result: Basins) -> Document:
     """
     spec, total = result.spec, max(len(result.verdicts), 1)
     sizes = [
-        (f"{k}. {attractor.kind}", len(attractor.members)) for k, attractor in enumerate(result.attractors, 1)
+        (f"{k}. {result.words_of(attractor.kind)}", len(attractor.members))
+        for k, attractor in enumerate(result.attractors, 1)
     ]
     if len(sizes) > MOST_ATTRACTORS:
         left_out = sizes[MOST_ATTRACTORS:]
@@ -192,6 +199,7 @@ def basins(result: Basins) -> Document:
     texts = [
         *start_caution(result),
         *_undecided_starts(result),
+        *_unsettled_starts(result),
         *_transients(result),
         f"{_protocol(result, f'{spec.turns} turns of each start')}{impossible}",
         f"A motion is periodic if points repeat within 0.1 % of the range; {criterion}.",
@@ -237,6 +245,18 @@ def _undecided_starts(result: Basins) -> list[str]:
     ]
 
 
+def _unsettled_starts(result: Basins) -> list[str]:
+    """Return what chaotic starts leave open, and the remedy if more than a quarter of the starts are not
+    settled.
+    """
+    kinds, turns = [motion.kind for motion in result.verdicts.values()], result.spec.turns
+    texts = [f"{result.words_of(CHAOTIC).capitalize()}: {longer_transient(turns)}."] * (CHAOTIC in kinds)
+    if 4 * (unsettled := kinds.count(UNSETTLED)) > len(kinds):
+        count = f"{unsettled:,} of {len(kinds):,} starts are not settled"
+        texts.append(f"{count}: take more turns (--turns {LONGER * turns}).")
+    return texts
+
+
 def _transients(result: Basins) -> list[str]:
     """Return which periodic motions may be transients, and the remedy."""
     numbers = [str(k + 1) for k in result.transients]
@@ -245,8 +265,8 @@ def _transients(result: Basins) -> list[str]:
     plural = len(numbers) > 1
     subject, noun = (f"Motion{'s' * plural} {and_words(numbers)}", "transients" if plural else "a transient")
     return [
-        f"{subject} of this table may be {noun} near an unstable motion, because a small difference decays in"
-        f" none of {'their' if plural else 'its'} starts: take more turns."
+        f"{subject} of this table may be {noun} near an unstable motion: the exponents of"
+        f" {'their' if plural else 'its'} starts do not show that a small difference decays. Take more turns."
     ]
 
 
@@ -258,7 +278,7 @@ def section(result: PoincareSection) -> Document:
         protocol = f"{counted(spec.turns, 'turn')} are planned, {spec.steps:,} steps a turn; {result.laws}."
         return Document(paragraphs([status, protocol]))
     verdict = result.verdict
-    texts = [f"{result.name}: {verdict.kind}", f"{verdict.evidence[:1].upper()}{verdict.evidence[1:]}."]
+    texts = [f"{result.name}: {verdict.words}", f"{verdict.evidence[:1].upper()}{verdict.evidence[1:]}."]
     for name, impacts in result.struck.items():
         count = len(impacts["speed"])
         fastest = f", the fastest at {impacts['speed'].max():.4g} m/s" if count else ""
