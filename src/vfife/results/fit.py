@@ -67,11 +67,11 @@ class FitValue:
     ends: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        """Leave no limits of an unknown confidence; nothing beyond the bounds was tried."""
+        """Leave no limits of an unknown confidence."""
         if not self.known:
             ends, nan = self.ends or (self.low, self.high), math.nan
-            inside = tuple(np.clip(ends, *self.bounds).tolist()) if all(map(math.isfinite, ends)) else ()
-            vars(self).update(ends=inside, error=nan, low=nan, high=nan)
+            finite = ends if all(map(math.isfinite, ends)) else ()
+            vars(self).update(ends=finite, error=nan, low=nan, high=nan)
 
     @property
     def numbers(self) -> list[tuple[str, float]]:
@@ -91,7 +91,8 @@ class FitValue:
         unit = "" if self.unit == "1" else f" {self.unit}"
         sure = "error not estimated" if self.known else "confidence not known"
         if self.ends:
-            sure += f"; fits nearly as well from {significant_range(self.ends[0], self.ends[1], 5)}"
+            low, high = np.clip(self.ends, *self.bounds).tolist()  # nothing beyond the bounds was tried
+            sure += f"; fits nearly as well from {significant_range(low, high, 5)}"
         if math.isfinite(self.error):
             sure = f"{100.0 * confidence:g} %: {significant_range(self.low, self.high, 5)}"
         return f"{self.name} = {self.value:.5g}{unit} ({sure})"
