@@ -23,6 +23,7 @@ from vfife.identification.residuals import FitRecord, Misfit
 from vfife.identification.run_length import Offset, RunLength
 from vfife.identification.step_uncertainty import concluded
 from vfife.measures.chaos import Exponent
+from vfife.report.amounts import quantities
 
 STEPS = RunLength("time", None, 1.0, 200, 10, 1e-3)
 PLACES = np.linspace(0.0, 1.0, 200)
@@ -235,7 +236,10 @@ def test_searches_that_end_at_other_values_dispute_a_number():
     near = sum(abs(one - found["a"].value) < 0.01 for one in ends)
     assert any(f"{near} of {len(ends)} searches reached this point" in one for one in found.remarks)
     assert "confidence not known" in repr(found) and "b = 0.3" in repr(found)
+    low, high = np.clip(found["a"].ends, 0.0, 1.0)
     shown = " ".join(str(found).split())
+    assert f"a fits nearly as well from {quantities(low, high, 'm')}; values outside" in shown
+    assert "fits nearly as well from" in found["a"].words(0.95) and "b fits" not in shown
     assert all(one in shown for one in [*found.remarks, *found.notes])
 
 

@@ -5,6 +5,7 @@ data cannot tell is told.
 import dataclasses
 import json
 import math
+import shutil
 
 import numpy as np
 import pytest
@@ -305,6 +306,34 @@ def test_a_fit_goes_on_where_it_was_broken_off(tmp_path):
         vfife.fit(oscillator(), path, {"spring.k.damping": (1, 9)}, **given, file=file)
     with pytest.raises(VfifeError, match="is the results of a fit, not a run; show them with vfife fit"):
         vfife.load_result(file)
+
+
+def test_more_effort_never_gives_a_worse_point_than_the_file_has(tmp_path):
+    """A search from the stiffness of the model ends in a wrong minimum; a fit before it found the right one
+    in the file. The answer is that one, and both searches count. It is the same after an interruption.
+    """
+    t, file, copy = np.linspace(0.0, 1.2, 240), tmp_path / "a.fit", tmp_path / "b.fit"
+    path = written(tmp_path / "s.csv", t, swing(t))
+    model, given = oscillator(stiffness=3000.0), {"derivatives": "differences", "step": "1 ms", "starts": 1}
+    bounds, poor = {"spring.k.stiffness": (200.0, 4000.0)}, {**given, "screened": 1, "restarts": 0}
+    wrong = vfife.fit(model, path, bounds, **poor)
+    right = vfife.fit(model, path, bounds, **given, screened=32, file=file)
+    assert right["spring.k.stiffness"].value == pytest.approx(STIFFNESS, rel=0.02)
+    assert wrong["spring.k.stiffness"].value > 1.5 * STIFFNESS and wrong.share > 2.0 * right.share
+    shutil.copy(file, copy)
+    more = vfife.fit(model, path, bounds, **poor, file=file)
+    assert (more.set, more.share) == (right.set, right.share)
+    assert more.starts == sorted([*wrong.starts, *right.starts])
+    calls = iter(range(2))
+
+    def interrupt(progress):
+        if next(calls, None) is None:
+            raise KeyboardInterrupt
+
+    part = vfife.fit(model, path, bounds, **poor, file=copy, progress=interrupt)
+    assert part.status == "interrupted" and part.set == right.set
+    again = vfife.fit(model, path, bounds, **poor, file=copy)
+    assert {**again.json(), "seconds": 0.0} == {**more.json(), "seconds": 0.0}
 
 
 def test_errors_of_a_straight_line_are_the_textbooks():

@@ -373,6 +373,22 @@ class Evaluations:
             self.points.append((cost, query.shares))
             if self.best is None or cost < self.best[0]:
                 self.best = (cost, np.array(query.shares), outcome)
+                if self.file is not None and cost < self.least_stored[0]:
+                    shares = [float(share) for share in query.shares]
+                    self.file.write_row("found", "best", {"point": [cost, shares, query.offsets]}, None)
+
+    @property
+    def least_stored(self) -> tuple[float, Query]:
+        """Cost and query of the best point of all fits in the file; infinite where no point is marked."""
+        row = None if self.file is None else self.file.get("found", "best", "told")
+        cost, shares, offsets = (math.inf, (), None) if row is None else row["point"]
+        return cost, Query(tuple(shares), None if offsets is None else tuple(offsets))
+
+    def recall(self) -> None:
+        """Take the best point of all fits in the file if it leaves less than the best one of this fit."""
+        cost, query = self.least_stored
+        if self.best is not None and cost < self.best[0]:
+            self.count(query, self.joined(tuple(self.answers(self.parts(query)))))
 
     def finish(self) -> None:
         """Report that nothing is left to run."""

@@ -336,12 +336,17 @@ class FitTask:
             Descents(evaluations, search, settings.derivatives).run(
                 settings.screened, settings.starts, settings.seed, settings.restarts
             )
+            evaluations.recall()
             if evaluations.best is not None:
                 best = evaluations.best
                 slopes = evaluations.slopes(Query(tuple(best[1]), None, search.tangents), best[2])
         except KeyboardInterrupt:
             if evaluations.best is None:
                 raise
+            evaluations.recall()
+        former = None if file is None else file.fit()
+        if former is not None:  # searches of other fits to the same question dispute its values too
+            search.ends += [end for end in former.starts if end not in search.ends]
         result = concluded(
             self.mechanism.name, units_of(self.mechanism), evaluations, search, slopes, settings.confidence
         )

@@ -114,8 +114,7 @@ def dispute_words(
         yield (
             f"searches do not agree on {', '.join(dict.fromkeys(names))}: {near} of {len(search.ends)} leave"
             f" at most {NEAR_RESIDUAL:g} times the least residual, at other values of these or of correlated"
-            " parameters, so confidence is not known; in Python their ends enclose all values that fit nearly"
-            " as well; measure a curve that depends more on them"
+            " parameters, so confidence is not known; measure a curve that depends more on them"
         )
 
 

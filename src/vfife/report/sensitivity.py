@@ -7,6 +7,8 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..measures.catalogue import unit_of
 from ..measures.values import NOT_ESTIMATED
 from ..numerics.outward import DOWN, UP, significant_range
@@ -335,12 +337,22 @@ def identification(fit: Fit) -> Document:
             if fit.records
             else []
         ),
-        *paragraphs([_correlations(fit)]),
+        *paragraphs([_ends(fit), _correlations(fit)]),
         *(Caution(f"{text}.", "not determined", aside=True) for text in (*fit.undetermined, *fit.splits)),
         *paragraphs(fit.remarks),
         *(Caution(f"{text}.", "note", aside=True) for text in fit.notes),
     ]
     return Document(parts, f"{fit.mechanism} fitted to {fit.data}", fit.json())
+
+
+def _ends(fit: Fit) -> str:
+    """Return from where to where parameters whose confidence is not known fit nearly as well."""
+    parts = []
+    for value in (*fit.values, *(value for record in fit.records for value in record.values)):
+        if value.ends:
+            low, high = np.clip(value.ends, *value.bounds).tolist()  # nothing beyond the bounds was tried
+            parts.append(f"{value.name} fits nearly as well from {quantities(low, high, value.unit)}")
+    return f"Confidence is not known: {'; '.join(parts)}; values outside may fit, too." if parts else ""
 
 
 def record_row(record: FitRecordValues) -> tuple[str, str, str]:

@@ -1,6 +1,4 @@
-"""Result of a parameter identification: values with confidence, correlation, measured and simulated curves;
-its file.
-"""
+"""Result of a parameter identification: values with confidence, their correlation, curves; its file."""
 
 from __future__ import annotations
 
@@ -72,7 +70,8 @@ class FitValue:
         """Leave no limits of an unknown confidence."""
         if not self.known:
             ends, nan = self.ends or (self.low, self.high), math.nan
-            vars(self).update(ends=ends, error=nan, low=nan, high=nan)
+            finite = ends if all(map(math.isfinite, ends)) else ()
+            vars(self).update(ends=finite, error=nan, low=nan, high=nan)
 
     @property
     def numbers(self) -> list[tuple[str, float]]:
@@ -91,6 +90,9 @@ class FitValue:
         """Return name, value and limits in words, with the digits that the limits leave."""
         unit = "" if self.unit == "1" else f" {self.unit}"
         sure = "error not estimated" if self.known else "confidence not known"
+        if self.ends:
+            low, high = np.clip(self.ends, *self.bounds).tolist()  # nothing beyond the bounds was tried
+            sure += f"; fits nearly as well from {significant_range(low, high, 5)}"
         if math.isfinite(self.error):
             sure = f"{100.0 * confidence:g} %: {significant_range(self.low, self.high, 5)}"
         return f"{self.name} = {self.value:.5g}{unit} ({sure})"
@@ -297,12 +299,10 @@ class Fit(DataTable):
                 f"The first sample of the data was taken {factor * self.offset:.5g}{error} {unit} after the"
                 f" start of a turn, or after its time in the file{'' if known else '; confidence not known'}."
             )
-        near_ends = [
-            end for cost, end in self.starts if cost <= 1.1 * self.starts[0][0] and self._is_here(end)
-        ]
+        near = sum(cost <= 1.1 * self.starts[0][0] and self._is_here(end) for cost, end in self.starts)
         if self.starts and self.evaluations:
             sentences.append(
-                f"{len(near_ends)} of {len(self.starts)} searches reached this point, by {self.derivatives};"
+                f"{near} of {len(self.starts)} searches reached this point, by {self.derivatives};"
                 f" {self.evaluations} runs."
             )
         if self.autocorrelation > 0.1:
