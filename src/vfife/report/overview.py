@@ -7,7 +7,6 @@ import re
 from collections.abc import Iterator
 
 from ..measures.stops import stop_sentence
-from ..measures.values import NOT_ESTIMATED
 from ..numerics.scalar import log10, power
 from ..solvers.status import Status
 from ..units import in_rpm
@@ -41,6 +40,7 @@ from .run import (
     SHARED,
     actuator_facts,
     document,
+    effort_facts,
     reversed_power,
     torque_text,
     wear_facts,
@@ -438,17 +438,9 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
     largest = ground.get("estimate", ground.get("at_most", 0.0))
     if shaking > 0.0 and (ground.get("joint") or largest <= LOOSE * shaking):
         yield "Shaking force", f"{shaking_text(summary)}{ideal_shaking_text(summary)}"
-    for name, speed in summary["run"].get("reached", {}).items():
-        yield f"Speed {name}", _reached_text(speed)
+    yield from effort_facts(summary)
     if stops := summary.get("stops"):
         yield "Stops", stop_sentence(stops, summary.get("stop_interval"))
-
-
-def _reached_text(speed: Json) -> str:
-    """Return the speed that a torque has given a body, and between which speeds it varied."""
-    low, high, end = (f"{speed[key]:.4g} rad/s" for key in ("low", "high", "end"))
-    rpm = f"{30.0 * speed['end'] / math.pi:,.4g} rpm"
-    return f"{end} ({rpm}) at the end, least {low}, largest {high} ({NOT_ESTIMATED})"
 
 
 # --------------------------------------------------------------------------------------------------- cautions
