@@ -111,3 +111,35 @@ def test_work_of_a_motor_is_not_that_of_the_loads() -> None:
     text = " ".join(as_text(document(summary), 300).split())
     assert f"of loads and weight {-0.5 * angle:.3f}" in text and f"together {motion:.3f}" in text
     assert json.dumps(summary["efforts"])
+
+
+SLOW = """
+[body.slow]
+mass = "1 kg"
+inertia = "1e-6 kg m^2"
+[body.slow.pins]
+c = [0, 0]
+[joint.P]
+bearing = "ground.P"
+journal = "slow.c"
+[gear.reduction]
+first = "wheel"
+second = "slow"
+ratio = {ratio}
+"""
+
+
+@pytest.mark.parametrize(
+    ("gear", "body", "turns"),
+    [("", "wheel", 11), (-0.2, "slow", 2), (-0.07, "slow", 1), (-0.01, "wheel", 11)],
+)
+def test_figures_are_of_whole_turns_of_the_slowest_body(gear: float | str, body: str, turns: int) -> None:
+    """20 N m on 0.1 kg m^2 turn it by 100 rad in 1 s, by 75 rad in the second half."""
+    text = WHEEL.format(driver='torque = "20 N m"', outputs=1000)
+    if gear:
+        text = text.replace("[ground]\n", "[ground]\nP = [1, 0]\n")
+        text += SLOW.format(ratio=gear)
+    effort = vfife.simulate(loads(text)).summary["efforts"]["wheel"]
+    assert (effort["turns"], effort["body"]) == (turns, body)
+    path = 2.0 * math.pi * turns / abs(gear or 1.0) if body == "slow" else 2.0 * math.pi * turns
+    assert effort["begin"] == pytest.approx(math.sqrt(1.0 - path / 100.0), abs=1.1e-3)

@@ -104,24 +104,22 @@ def work_of_drivers(record: Record, figures: dict[str, Effort]) -> Estimate | No
 
 
 def working_span(record: Record) -> Span:
-    """Return the last whole turns, within half of the run, of the body that turns round slowest, because a
-    cycle of a geared machine is one of its turns; one turn if it is longer; half of the run without a body.
+    """Return the last whole turns of the body that goes round slowest, because a cycle of a geared machine is
+    one of its turns: those within half of the run, or one turn if it is longer. Half of the run where no
+    body goes round.
     """
-    count = len(record.steps)
-    angles = {
-        name: record.block("particle_theta")[:, body.particles[0]]
-        for name, body in record.assembly.bodies.items()
-        if not body.elements
-    }
-    for first in (count // 2, 0):
-        turned = {name: abs(float(angle[-1] - angle[first])) for name, angle in angles.items()}
-        round_ones = {name: size for name, size in turned.items() if size >= 2.0 * math.pi}
-        if round_ones:
-            body = min(round_ones, key=round_ones.__getitem__)
-            turns = math.floor(turned[body] / (2.0 * math.pi)) if first else 1
-            path = np.abs(angles[body][-1] - angles[body])
-            return Span(int(np.flatnonzero(path >= 2.0 * math.pi * turns)[-1]), turns, body)
-    return Span(count // 2, 0, "")
+    half = len(record.steps) // 2
+    paths = {}
+    for name, body in record.assembly.bodies.items():
+        angle = record.block("particle_theta")[:, body.particles[0]]
+        path = np.abs(angle[-1] - angle)
+        if not body.elements and path[0] >= 2.0 * math.pi:
+            paths[name] = path
+    if not paths:
+        return Span(half, 0, "")
+    slowest = min(paths, key=lambda name: float(paths[name][0]))
+    turns = max(1, math.floor(float(paths[slowest][half]) / (2.0 * math.pi)))
+    return Span(int(np.flatnonzero(paths[slowest] >= 2.0 * math.pi * turns)[-1]), turns, slowest)
 
 
 def _figures(record: Record, action: Action, driver: Driver, span: Span) -> Effort:
