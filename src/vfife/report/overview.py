@@ -430,8 +430,8 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
             torque = mean_text(summary, f"{name}.torque.mean", "N m", CERTAIN)
             texts.append(f"mean torque {torque}")
         elif f"{name}.torque.mean" in measures:
-            lost = sum(value for term, value in summary["energy"]["end"].items() if term.endswith("_loss"))
-            reason = ": nothing is lost, and loads return what they take up" if lost == 0.0 else ""
+            losses = sum(value for term, value in summary["energy"]["end"].items() if term.endswith("_loss"))
+            reason = ": nothing is lost, and loads return what they take up" if losses == 0.0 else ""
             texts.append(f"mean power about zero{reason}")
         ideal = body["ideal_torque.max"]
         compared = f" (ideal {prefixed(ideal, 'N m')})" if ideal is not None else ""
