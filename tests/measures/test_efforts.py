@@ -143,3 +143,40 @@ def test_figures_are_of_whole_turns_of_the_slowest_body(gear: float | str, body:
     assert (effort["turns"], effort["body"]) == (turns, body)
     path = 2.0 * math.pi * turns / abs(gear or 1.0) if body == "slow" else 2.0 * math.pi * turns
     assert effort["begin"] == pytest.approx(math.sqrt(1.0 - path / 100.0), abs=1.1e-3)
+
+
+CART = """
+[run]
+duration = "1 s"
+[ground]
+O = [0, 0]
+[body.c]
+mass = "2 kg"
+inertia = "0.1 kg m^2"
+[joint.g]
+kind = "slider"
+bearing = "ground.O"
+journal = "c.center"
+direction = [1, 0]
+[driver.push]
+point = "c.center"
+direction = [-2, 0]
+force = ["0 N", "4 N", "0 N"]
+times = ["0 s", "0.5 s", "1 s"]
+interpolation = "linear"
+"""
+
+
+def test_a_force_along_a_line() -> None:
+    """A triangle of 4 N moves 2 kg: 0.5 m/s at its top and 1 m/s at its end."""
+    summary = vfife.simulate(loads(CART)).summary
+    effort = summary["efforts"]["push"]
+    exact = {"work": 1.0, "power": 1.5, "rms": 4.0 / math.sqrt(3.0), "low": 0.5, "high": 1.0}
+    for name, value in exact.items():
+        assert abs(effort[name]["value"] - value) <= effort[name]["missed"] + 1e-9 < 1e-4, name
+    assert "largest force 4 N" in as_text(document(summary), 300) and effort["linear"]
+
+
+def test_works_without_error_state_none() -> None:
+    text = as_text(document(summary_of('torque = "0.4 N m"')), 300)
+    assert "work of drivers 0.8000 J, lost" in text and "rms torque rounding, largest torque rounding" in text

@@ -37,6 +37,8 @@ from .run_tables import blow_texts, noted, reaction, tables
 from .trust import missing_mesh_estimate, over_several_turns, trust_lines, turn_lines, verdict
 
 LEAST_WORK = 1e-6  # of the largest energy: less is rounding
+EXACT_SHARE = 1e-9  # of a value: outputs miss no more than rounding
+ONLY_ROUNDING = "rounding"
 SMALL = 1e-3  # J or rad/s: smaller numbers have prefixes
 ROUNDING = 1e-6  # of the largest power or torque of a driver: a smaller mean is rounding
 RIPPLE = 10.0  # times the mean torque: a larger ripple is shown as an amplitude
@@ -283,6 +285,8 @@ def _missed(estimate: Json, unit: str) -> str:
     missed = estimate["missed"]
     if missed is None:
         return NOT_ESTIMATED
+    if missed <= EXACT_SHARE * abs(estimate["value"]):
+        return ONLY_ROUNDING
     words = amount if unit in ("J", "rad/s") and missed > SMALL else prefixed
     return f"up to {words(missed, unit, missed, UP)}"
 
@@ -298,7 +302,8 @@ def supplied_text(summary: Json) -> str:
     if work is None:
         return f"work of drivers, loads and weight together {total:.5g} J"
     width, rest = 2.0 * (work["missed"] or 0.0), total - work["value"]
-    missed = "" if work["missed"] == 0.0 else f" (what outputs miss: {_missed(work, 'J')})"
+    text = _missed(work, "J")
+    missed = "" if text == ONLY_ROUNDING else f" (what outputs miss: {text})"
     parts = {f"drivers {_joule(work['value'], width)}{missed}": work["value"]}
     parts |= {f"loads and weight {_joule(rest, width)}": rest}
     texts = [text for text, value in parts.items() if abs(value) > max(LEAST_WORK * energy["largest"], width)]
