@@ -13,7 +13,7 @@ import pytest
 from architecture.size import Size, size_of, sizes, tokens
 
 LIMITS = Size(
-    files=510,
+    files=511,
     code=74_800,
     tokens=757_000,
     import_lines=7_280,

@@ -66,6 +66,15 @@ def test_a_pressure_beyond_hardness_is_told_with_numbers() -> None:
     assert result.summary["conformal"] == ["J"]
 
 
+def test_a_pressure_on_the_default_length_names_it_and_the_part_of_the_tables() -> None:
+    """20 mm are used where a joint gives no length; tables of a run without turns are of the whole run."""
+    said = list(out_of_range(struck(60.0)))[-1]
+    assert "in J on its 20 mm (that of joints without axial_length) are more than" in said
+    assert "joints are built for, in the whole run: " in said
+    given = list(out_of_range(struck(60.0, axial_length=0.019)))[-1]
+    assert "in J on its 19 mm are more than" in given
+
+
 def test_a_soft_bearing_decides_and_an_unknown_hardness_says_nothing() -> None:
     known = Material("whitemetal", 50e9, 0.35, 7400.0, hardness=2e8)
     (said,) = out_of_range(struck(0.5, bearing_material=known, axial_length=2e-3))

@@ -84,6 +84,16 @@ def test_drivers_of_sliders_and_points_have_a_row() -> None:
     assert run.measures["rail.actuator_force.max"].estimated
 
 
+def test_a_driver_without_mean_power_has_the_reason() -> None:
+    """Nothing of an ideal slider-crank takes energy up but what turns round; a damper does."""
+    reason = "mean power about zero: nothing is lost, and loads return what they take up, largest torque"
+    m = gallery.slider_crank()
+    ideal = vfife.simulate(m.ideal(), turns=2)
+    assert reason in " ".join(str(ideal).split())
+    m.spring("brake", "ground.O", "block.center", damping=10.0)
+    assert "about zero" not in str(vfife.simulate(m.ideal(), turns=2))
+
+
 def test_moments_of_joints_are_on_the_first_screen() -> None:
     """Of gears and of a guide that holds a moment; no column where no joint has one."""
     gears = vfife.simulate(gallery.gear_train())

@@ -21,6 +21,7 @@ from ..measures.trust import OPEN
 from ..measures.turns import full_run
 from ..measures.whirl import backward_whirls
 from ..model.functions import crank_of, cycle_of, turn_of, without_ideal
+from ..model.joints import Contact
 from ..model.surfaces import cautions, law_facts, remarks, surfaces
 from ..model.validation.plausibility import clearances_at_rest, suspect_surfaces
 from ..solvers.status import Status
@@ -341,8 +342,10 @@ def out_of_range(result: RunData) -> Iterator[str]:
     extremes = contact_extremes(result.record)
     yield from cautions(result.record.assembly.mechanism, extremes)
     if texts := excesses(result, extremes):
+        part = result.measures.part
+        aside = "" if part == "whole run" else f" (tables: {part})"
         yield (
-            "Beyond what joints are built for, in the whole run (tables show its last turns):"
+            f"Beyond what joints are built for, in the whole run{aside}:"
             f" {'; '.join(texts)}. The forces are still those of the laws; check loads, sizes, materials"
             " and stiffness."
         )
@@ -415,7 +418,9 @@ def _high_pressures(record: Record) -> Iterator[str]:
         softest = softer(pair.bearing, pair.journal)
         pressure = float(line_pressure(pair, np.asarray(force))[0])
         if softest is not None and pressure > softest[1]:
-            pressure_words = f"{1e-9 * pressure:.3g} GPa in {name} on its {1e3 * pair.axial_length:.4g} mm"
+            default = " (that of joints without axial_length)" * (pair.axial_length == Contact.axial_length)
+            length = f"{1e3 * pair.axial_length:.4g} mm{default}"
+            pressure_words = f"{1e-9 * pressure:.3g} GPa in {name} on its {length}"
             peaks.append((f"the hardness of {softest[0]}, {1e-9 * softest[1]:.3g} GPa", pressure_words))
     yield from (
         f"line pressures of about {', '.join(pressures)} are more than {limit}"

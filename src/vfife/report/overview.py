@@ -7,7 +7,6 @@ import re
 from collections.abc import Iterator
 
 from ..measures.stops import stop_sentence
-from ..measures.values import NOT_ESTIMATED
 from ..numerics.scalar import log10, power
 from ..solvers.status import Status
 from ..units import in_rpm
@@ -41,6 +40,7 @@ from .run import (
     SHARED,
     actuator_facts,
     document,
+    effort_facts,
     reversed_power,
     torque_text,
     wear_facts,
@@ -429,6 +429,10 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
             texts += reversed_power(summary, f"{name}.power.mean")
             torque = mean_text(summary, f"{name}.torque.mean", "N m", CERTAIN)
             texts.append(f"mean torque {torque}")
+        elif f"{name}.torque.mean" in measures:
+            losses = sum(value for term, value in summary["energy"]["end"].items() if term.endswith("_loss"))
+            reason = ": nothing is lost, and loads return what they take up" if losses == 0.0 else ""
+            texts.append(f"mean power about zero{reason}")
         ideal = body["ideal_torque.max"]
         compared = f" (ideal {prefixed(ideal, 'N m')})" if ideal is not None else ""
         texts.append(f"largest torque {torque_text(summary, f'{name}.torque.max')}{compared}")
@@ -438,17 +442,9 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
     largest = ground.get("estimate", ground.get("at_most", 0.0))
     if shaking > 0.0 and (ground.get("joint") or largest <= LOOSE * shaking):
         yield "Shaking force", f"{shaking_text(summary)}{ideal_shaking_text(summary)}"
-    for name, speed in summary["run"].get("reached", {}).items():
-        yield f"Speed {name}", _reached_text(speed)
+    yield from effort_facts(summary)
     if stops := summary.get("stops"):
         yield "Stops", stop_sentence(stops, summary.get("stop_interval"))
-
-
-def _reached_text(speed: Json) -> str:
-    """Return the speed that a torque has given a body, and between which speeds it varied."""
-    low, high, end = (f"{speed[key]:.4g} rad/s" for key in ("low", "high", "end"))
-    rpm = f"{30.0 * speed['end'] / math.pi:,.4g} rpm"
-    return f"{end} ({rpm}) at the end, least {low}, largest {high} ({NOT_ESTIMATED})"
 
 
 # --------------------------------------------------------------------------------------------------- cautions

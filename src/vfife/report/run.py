@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
 from ..measures.statics import EXACT
@@ -35,6 +36,10 @@ from .document import Caution, Document, Facts, Paragraph, Part, Table, grouped,
 from .run_tables import blow_texts, noted, reaction, tables
 from .trust import missing_mesh_estimate, over_several_turns, trust_lines, turn_lines, verdict
 
+LEAST_WORK = 1e-6  # of the largest energy: less is rounding
+EXACT_SHARE = 1e-9  # of a value: outputs miss no more than rounding
+ONLY_ROUNDING = "rounding"
+SMALL = 1e-3  # J or rad/s: smaller numbers have prefixes
 ROUNDING = 1e-6  # of the largest power or torque of a driver: a smaller mean is rounding
 RIPPLE = 10.0  # times the mean torque: a larger ripple is shown as an amplitude
 SHARED = (
@@ -105,6 +110,7 @@ def facts(summary: Json) -> list[tuple[str, str]]:
         ("Energy", _energy(summary)),
         *(("Driver", line) for line in _torques(summary)),
         *(("Driver", f"{name}: {text} ({summary['part']})") for name, text in actuator_facts(summary)),
+        *(("Driver", f"{name}: {text}") for name, text in effort_lines(summary)),
         *_machine(summary),
         *wear_facts(summary),
         *_named_once(
@@ -157,7 +163,7 @@ def _energy(summary: Json) -> str:
     parts = ", ".join(f"{kind} {value:.4g}" for kind, value in losses.items() if value)
     unknown = f" (their errors are {NOT_ESTIMATED})" if summary["trust"] else ""
     return (
-        f"whole run: supplied {end['driver'] + end['external']:.5g} J, lost {sum(losses.values()):.5g}"
+        f"whole run: {supplied_text(summary)}, lost {sum(losses.values()):.5g}"
         f" J{f' ({parts})' if parts else ''}, largest {largest:.5g} J{unknown}; ledger closes to"
         f" {summary['energy_error']:.1e} of it"
     )
@@ -224,6 +230,90 @@ def reversed_power(summary: Json, power: str) -> list[str]:
     bodies = summary["model"]["bodies"].values()
     drivers = len(summary.get("actuators", {})) + sum(body["torque.max"] is not None for body in bodies)
     return ["the loads or other drivers drive it" if drivers > 1 else "the loads drive the motor"]
+
+
+def effort_facts(summary: Json) -> Iterator[tuple[str, str]]:
+    """Yield name and text of each driver that applies a torque or force, and the speed that it reached."""
+    for name, effort in summary.get("efforts", {}).items():
+        texts = [text for _, text, _ in _figures(effort)]
+        yield f"Driver {name}", f"{', '.join(texts)} in {_span(effort)} ({NOT_ESTIMATED})"
+    for name, speed in summary["run"].get("reached", {}).items():
+        low, high, end = (f"{speed[key]:.4g} rad/s" for key in ("low", "high", "end"))
+        rpm = f"{30.0 * speed['end'] / math.pi:,.4g} rpm"
+        yield f"Speed {name}", f"{end} ({rpm}) at the end, least {low}, largest {high} ({NOT_ESTIMATED})"
+
+
+def effort_lines(summary: Json) -> Iterator[tuple[str, str]]:
+    """Yield name and text of each such driver, with what its figures miss between outputs."""
+    for name, effort in summary.get("efforts", {}).items():
+        figures = list(_figures(effort))
+        yield name, f"{', '.join(text for _, text, _ in figures)} in {_span(effort)}"
+        missed = ", ".join(f"{word} {missed}" for word, _, missed in figures)
+        yield name, f"what outputs miss: {missed}; change with the step {NOT_ESTIMATED}"
+
+
+def _span(effort: Json) -> str:
+    """Return the part of the run of which the figures are."""
+    times = f"{effort['begin']:.4g} to {effort['end']:.4g} s"
+    count, body = effort["turns"], effort["body"]
+    turns = f"the last {count} turns" if count > 1 else "the last turn"
+    return f"{turns} of {body}, {times}" if count else f"the second half of the run, {times}"
+
+
+def _figures(effort: Json) -> Iterator[tuple[str, str, str]]:
+    """Yield word, text and what outputs miss of power, torque and speed."""
+    word, unit, rate = ("force", "N", "m/s") if effort["linear"] else ("torque", "N m", "rad/s")
+    for key, name, measure in (
+        ("power", "mean power", "W"),
+        ("rms", f"rms {word}", unit),
+        ("largest", f"largest {word}", unit),
+        ("low", "least speed", rate),
+        ("high", "largest speed", rate),
+    ):
+        estimate = effort[key]
+        yield name, f"{name} {_rounded(estimate, measure)}", _missed(estimate, measure)
+
+
+def _rounded(estimate: Json, unit: str) -> str:
+    """Return a value with the digits that the outputs leave."""
+    words = amount if unit == "rad/s" else prefixed
+    return words(estimate["value"], unit, 2.0 * (estimate["missed"] or 0.0))
+
+
+def _missed(estimate: Json, unit: str) -> str:
+    """Return what outputs miss of a value."""
+    missed = estimate["missed"]
+    if missed is None:
+        return NOT_ESTIMATED
+    if missed <= EXACT_SHARE * abs(estimate["value"]):
+        return ONLY_ROUNDING
+    words = amount if unit in ("J", "rad/s") and missed > SMALL else prefixed
+    return f"up to {words(missed, unit, missed, UP)}"
+
+
+def supplied_text(summary: Json) -> str:
+    """Return the work of drivers, and that of loads and weight, up to the end of a run.
+
+    The step keeps the works of torques and of loads in one sum. Of drivers whose work is not known the words
+    name all that is in it.
+    """
+    energy = summary["energy"]
+    total, work = energy["end"]["driver"] + energy["end"]["external"], energy.get("drivers")
+    if work is None:
+        return f"work of drivers, loads and weight together {total:.5g} J"
+    width, rest = 2.0 * (work["missed"] or 0.0), total - work["value"]
+    text = _missed(work, "J")
+    missed = "" if text == ONLY_ROUNDING else f" (what outputs miss: {text})"
+    parts = {f"drivers {_joule(work['value'], width)}{missed}": work["value"]}
+    parts |= {f"loads and weight {_joule(rest, width)}": rest}
+    texts = [text for text, value in parts.items() if abs(value) > max(LEAST_WORK * energy["largest"], width)]
+    return f"work of {', of '.join(texts) or 'drivers, loads and weight 0 J'}" + (
+        f", together {total:.5g} J" if len(texts) > 1 else ""
+    )
+
+
+def _joule(value: float, width: float) -> str:
+    return amount(value, "J", width) if width else f"{value:.5g} J"
 
 
 def _laws(laws: Json) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..measures import influence
 from ..measures.blows import blows
+from ..measures.efforts import efforts, work_of_drivers
 from ..measures.energy import actuators, quantity_of
 from ..measures.forces import MODES, ground_joints, other_ground_force
 from ..measures.landings import measured_knocks
@@ -71,8 +72,9 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
     the law decides, see :func:`_cautions`), of a run whose largest forces are those of the fall of journals
     at its start ``start_fall`` (``joints``, ``time`` in s, ``measures``, and the index of the warning) and,
     of a model with stops, ``stops`` (contacts that the outputs show, by name) with the ``stop_interval`` of
-    the outputs (s), and of a model with drivers of sliders or points ``actuators`` and, of one with elastic
-    bodies in motion, ``meshes_not_covered`` (elements of the bodies whose mesh error is in no range) are what
+    the outputs (s), and of a model with drivers of sliders or points ``actuators``, of one with drivers that
+    apply torques or forces ``efforts`` (:mod:`~vfife.measures.efforts`) and, of one with elastic bodies in
+    motion, ``meshes_not_covered`` (elements of the bodies whose mesh error is in no range) are what
     the document of :mod:`~vfife.report.run` is made of.
     """
     reference = reference if reference is not None else result.reference
@@ -101,14 +103,7 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
         "energy_error": None if static else result.ledger.error,
         "model": _model(result, measures, ideal),
         "run": _static_run(result) if static else _transient_run(result),
-        "energy": (
-            {}
-            if static
-            else {
-                "largest": result.ledger.largest,
-                "end": {k: float(v[-1]) for k, v in result.ledger.terms.items()},
-            }
-        ),
+        **_energies(result),
         "joints": _joints(result, measures, ideal),
         "contacts": {name: _numbers(measures, name, CONTACT_KEYS) for name in record.assembly.contacts},
         "lip": lips(measures),
@@ -134,6 +129,22 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
         **(_stops(record) | _meshes(record)),
         **({} if static else _actuators(result, ideal)),
     }
+
+
+def _energies(result: RunData) -> Json:
+    """Return the energies of a run, with the work of its drivers, and the figures of those that apply torques
+    or forces.
+    """
+    record = result.record
+    if record.static:
+        return {"energy": {}}
+    figures = efforts(record)
+    energy = {
+        "largest": result.ledger.largest,
+        "end": {k: float(v[-1]) for k, v in result.ledger.terms.items()},
+        "drivers": work_of_drivers(record, figures),
+    }
+    return {"energy": energy, **({"efforts": figures} if figures else {})}
 
 
 def _cautions(result: RunData, leading: str) -> Json:
