@@ -29,7 +29,7 @@ TURN = 2.0 * math.pi
 PLATEAU = 0.99
 # A gas whose valves open early has its peak far before top dead centre, but keeps most of it up to there: a
 # peak so far away (degrees), with less than half of it so near top dead centre, is that of a shifted table.
-FAR, HALF, CLOSE = 45.0, 0.5, 30.0
+LARGEST_LAG, HALF, LEAST_REACH = 45.0, 0.5, 30.0
 TOP, BOTTOM = "top dead centre", "bottom dead centre"
 # Positions of a turn are 10 degrees apart; the parabola through three of them misses a dead centre by less
 # than 0.05 degrees.
@@ -90,7 +90,7 @@ def table_peak(mechanism: Mechanism, motion: Motion, turn: FullTurn, load: Load)
     at = 0.0 if 360.0 - at < 0.5 * RESOLUTION else round(at / RESOLUTION) * RESOLUTION
     value, distance = high + load.ambient_pressure, abs(distance)
     reach = min(abs(_wrapped(place - centres[0])) for place in _peaks(load, HALF))
-    shifted = distance > math.radians(FAR) and reach > math.radians(CLOSE)
+    shifted = distance > math.radians(LARGEST_LAG) and reach > math.radians(LEAST_REACH)
     return TablePeak(value, math.degrees(place), (TOP, BOTTOM)[nearest], at, math.degrees(lag), shifted)
 
 
