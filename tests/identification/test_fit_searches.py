@@ -37,6 +37,7 @@ class Closed:
     form: object
     length: RunLength = STEPS
     more: float = 0.0
+    has_contacts: bool = False
 
     def changed(self, finer, turns, denser=1):
         steps = self.length.steps_per_output + finer
@@ -74,6 +75,19 @@ def fitted(curves, names, truth, *, noise=NOISE, offset=None, starts=1, screened
     Descents(looked, ended, "differences").run(screened, starts, 3)
     slopes = looked.slopes(Query(tuple(looked.best[1]), None, False), looked.best[2])
     return looked, ended, concluded("closed", {"x": "m"}, looked, ended, slopes, 0.95)
+
+
+def test_contacts_widen_limits() -> None:
+    """They make the sum of squares rough."""
+
+    def line(t, numbers, step):
+        return numbers["a"] * t
+
+    calm, rough = (
+        fitted(Closed(line, has_contacts=contacts), ["a"], {"a": 0.4})[2] for contacts in (False, True)
+    )
+    widths = [found.values[0].high - found.values[0].low for found in (calm, rough)]
+    assert calm.values[0].value == rough.values[0].value and widths[1] == pytest.approx(1.25 * widths[0])
 
 
 def two_hills(t, numbers, step):

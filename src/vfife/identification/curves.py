@@ -172,6 +172,11 @@ class Curves:
         self.cases = FitCases(mechanism, length)
         self.channels, self.length, self.workers = channels, length, workers
 
+    @property
+    def has_contacts(self) -> bool:
+        """Whether the mechanism has joints with clearance or other contacts."""
+        return bool(self.cases.base.contacts)
+
     def changed(self, finer: int, turns: float, denser: int = 1) -> Curves:
         """Return the same curves with ``finer`` more steps between two outputs, ``turns`` more turns, and
         ``denser`` times as many outputs.
