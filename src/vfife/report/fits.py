@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from ..numerics.outward import UP
 from ..numerics.scalar import power
-from ..studies.spec.limits import CONFIDENCE
 from .amounts import percent, prefixed
 from .design_words import MISSING, and_words, default_limit_words, end, quantity_of, words
 from .searches import allocation as allocation_document
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
     from ..assessment.answer import Design
     from ..studies.study_work import Allocation
 
+CONFIDENCE = 0.95  # that no larger share of machines exceeds the largest of the independent ones
 NO_FITS = {  # by the search for fits
     "all": "No choice of fits limits",
     "descent": "None of the choices of fits that were tried limits",
