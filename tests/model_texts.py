@@ -231,3 +231,23 @@ journal = "piston.origin"
 speed = "600 rpm"
 """
 GAS = '[load.gas]\nkind = "guide"\nslider = "guide"\n'
+
+# A wheel on a fixed pin; ``run`` has its duration, ``driver`` its torque.
+FLYWHEEL = """
+[run]
+{run}
+[ground]
+O = [0, 0]
+[body.wheel]
+mass = "5 kg"
+inertia = "0.1 kg m^2"
+[body.wheel.pins]
+c = [0, 0]
+[joint.O]
+bearing = "ground.O"
+journal = "wheel.c"
+[driver.wheel]
+interpolation = "linear"
+{driver}
+"""
+FALLING = 'torque = [2, 0]\nspeeds = ["0 rad/s", "50 rad/s"]'

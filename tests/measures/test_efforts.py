@@ -8,33 +8,19 @@ import math
 import pytest
 
 import vfife
+from model_texts import FALLING, FLYWHEEL
 from vfife.modelfile import loads
 from vfife.report.run import document
 from vfife.report.terminal import as_text
 
-WHEEL = """
-[run]
-duration = "1 s"
-outputs = {outputs}
-[ground]
-O = [0, 0]
-[body.wheel]
-mass = "5 kg"
-inertia = "0.1 kg m^2"
-[body.wheel.pins]
-c = [0, 0]
-[joint.O]
-bearing = "ground.O"
-journal = "wheel.c"
-[driver.wheel]
-interpolation = "linear"
-{driver}
-"""
-FALLING = 'torque = [2, 0]\nspeeds = ["0 rad/s", "50 rad/s"]'
+
+def wheel(driver: str, outputs: int) -> str:
+    """Return a model of a wheel that is driven for 1 s."""
+    return FLYWHEEL.format(driver=driver, run=f'duration = "1 s"\noutputs = {outputs}')
 
 
 def summary_of(driver: str, outputs: int = 100) -> dict:
-    return vfife.simulate(loads(WHEEL.format(driver=driver, outputs=outputs))).summary
+    return vfife.simulate(loads(wheel(driver, outputs))).summary
 
 
 @pytest.mark.parametrize("outputs", [20, 100, 500])
@@ -135,7 +121,7 @@ ratio = {ratio}
 )
 def test_figures_are_of_whole_turns_of_the_slowest_body(gear: float | str, body: str, turns: int) -> None:
     """20 N m on 0.1 kg m^2 turn it by 100 rad in 1 s, by 75 rad in the second half."""
-    text = WHEEL.format(driver='torque = "20 N m"', outputs=1000)
+    text = wheel('torque = "20 N m"', 1000)
     if gear:
         text = text.replace("[ground]\n", "[ground]\nP = [1, 0]\n")
         text += SLOW.format(ratio=gear)

@@ -12,6 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 import vfife
+from model_texts import FALLING, FLYWHEEL
 from vfife.cli.app import app
 from vfife.modelfile import loads
 from vfife.report.overview import heading_sentence
@@ -20,29 +21,12 @@ from vfife.report.terminal import as_text
 
 ROOT = Path(__file__).parents[2]
 
-FLYWHEEL = """
-[run]
-duration = "2 s"
-[ground]
-O = [0, 0]
-[body.wheel]
-mass = "5 kg"
-inertia = "0.1 kg m^2"
-[body.wheel.pins]
-c = [0, 0]
-[joint.O]
-bearing = "ground.O"
-journal = "wheel.c"
-[driver.wheel]
-torque = [2, 0]
-speeds = ["0 rad/s", "50 rad/s"]
-interpolation = "linear"
-"""
+WHEEL = FLYWHEEL.format(run='duration = "2 s"', driver=FALLING)
 
 
 def test_a_flywheel_under_a_motor_curve() -> None:
     """Torque 2 N m (1 - w/w0) on an inertia I: w = w0 (1 - exp(-2 N m t/(I w0)))."""
-    result = vfife.simulate(loads(FLYWHEEL))
+    result = vfife.simulate(loads(WHEEL))
     speed = 50.0 * (1.0 - math.exp(-2.0 * 2.0 / (0.1 * 50.0)))
     reached = result.summary["run"]["reached"]["wheel"]
     assert reached["end"] == reached["high"] == pytest.approx(speed, rel=1e-4) and reached["low"] == 0.0
