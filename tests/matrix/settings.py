@@ -49,7 +49,8 @@ class Setting:
     def joined(self, other: Setting) -> Setting:
         """Return this setting with the variables and words of another one beside its own."""
         name, variables = f"{self.name}, {other.name}", {**self.variables, **other.variables}
-        return Setting(name, variables, (*self.words, *other.words), self.python)
+        compiles = self.compiles or other.compiles
+        return Setting(name, variables, (*self.words, *other.words), self.python, compiles)
 
 
 def features(python: str = sys.executable) -> list[str]:
@@ -61,7 +62,8 @@ def features(python: str = sys.executable) -> list[str]:
 
 def settings() -> list[Setting]:
     """All of them; the first changes nothing. Two changes share a process where each has one of its own
-    elsewhere, too, or could hide nothing.
+    elsewhere, too, or could hide nothing. Code for a kind of processor goes with the kernel of BLAS for that
+    kind: either of them that changes an answer is seen.
     """
     library = Setting("C library without AVX2 and FMA", {"GLIBC_TUNABLES": GLIBC} if X86 else {})
     numpy = Setting(
@@ -72,12 +74,10 @@ def settings() -> list[Setting]:
     beside = (  # what goes with which kernel of BLAS
         (KERNELS[0], library), (KERNELS[1], library), (KERNELS[1], numpy), (KERNELS[2], numpy),
         (KERNELS[-2], one_core), (KERNELS[-1], Setting("8 cores", words=("--cores", "8"))),
+        *((kernel, Setting(f"processor {name}", words=("--processor", name), compiles=True))
+          for name, kernel in processors().items()),
     )  # fmt: skip
     found = [Setting("as it is")]
-    if X86:
-        found += [
-            Setting(f"processor {name}", words=("--processor", name), compiles=True) for name in processors()
-        ]
     for name in KERNELS:
         setting = Setting(f"BLAS kernel {name}", {"OPENBLAS_CORETYPE": name})
         for kernel, other in beside:
@@ -96,14 +96,17 @@ def settings() -> list[Setting]:
     return found
 
 
-def processors() -> list[str]:
-    """Kinds of x86 processor that this one can stand in for: registers of two, four and eight numbers."""
+def processors() -> dict[str, str]:
+    """Kinds of x86 processor that this one can stand in for, with registers of two, four and eight numbers,
+    and the kernel of BLAS that such a processor has.
+    """
     flags = set(Path("/proc/cpuinfo").read_text().split()) if Path("/proc/cpuinfo").exists() else set()
-    return [
-        "x86-64",
-        *(["x86-64-v3"] if "avx2" in flags else []),
-        *(["x86-64-v4"] if {"avx512f", "avx512dq", "avx512vl"} <= flags else []),
-    ]
+    kinds: dict[str, tuple[str, set[str]]] = {
+        "x86-64": ("Prescott", set()),
+        "x86-64-v3": ("Haswell", {"avx2"}),
+        "x86-64-v4": ("SkylakeX", {"avx512f", "avx512dq", "avx512vl"}),
+    }
+    return {name: kernel for name, (kernel, needed) in kinds.items() if X86 and needed <= flags}
 
 
 def carried_out(
