@@ -91,9 +91,10 @@ class Map(NotebookDocument, DataTable):
         joints: dict[str, list[str]] = {}
         mechanism = loads(self.spec.model)
         for name, joint in mechanism.contacts.items():
-            joints.setdefault(f"contact {joint.contact.name}, friction {joint.friction.name}", []).append(
-                name
-            )
+            friction = f"friction {joint.friction.name}"
+            if getattr(joint.friction, "coefficient", None) == 0.0:
+                friction = "no friction"
+            joints.setdefault(f"contact {joint.contact.name}, {friction}", []).append(name)
         parts = [
             words if len(joints) == 1 else f"{', '.join(names)}: {words}" for words, names in joints.items()
         ]
