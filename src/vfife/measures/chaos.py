@@ -160,9 +160,7 @@ class Exponent:
         """
         if not self.estimated:
             return self
-        count = np.arange(1, len(self.running) + 1)
-        growths = np.diff(count * self.running, prepend=0.0)
-        scatter = float(growths.std())
+        scatter = float(np.diff(np.arange(1, len(self.running) + 1) * self.running, prepend=0.0).std())
         return dataclasses.replace(self, low=self.low - scatter, high=self.high + scatter)
 
     def with_finer(self, finer: Exponent) -> Exponent:

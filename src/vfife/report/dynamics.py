@@ -267,8 +267,8 @@ def _unsettled_starts(result: Basins) -> list[str]:
         needed = SETTLING * spec.turns / max(spec.dropped, 1) / max(-rate, 1e-6)
         advised = min(max(10 * math.ceil(needed / 10.0), 2 * spec.turns), LONGER * spec.turns)
         reason = f": a small difference shrinks by {-100.0 * rate:.2g} % a turn there" * (rate < 0.0)
-        count = f"{len(numbers):,} of {len(motions):,} starts are not settled"
-        texts.append(f"{count}: take more turns (--turns {advised}{reason}).")
+        shares = f"{len(numbers):,} of {len(motions):,}"
+        texts.append(f"{shares} starts are not settled: take more turns (--turns {advised}{reason}).")
     return texts
 
 
