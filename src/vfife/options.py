@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
 
-from .errors import ArgumentError, Fault, shown, suggestion
+from .errors import ArgumentError, Fault, LawError, ModelError, shown, suggestion
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -157,8 +157,11 @@ def with_options(group: type, **defaults: Any) -> Callable[[Function], Function]
         @functools.wraps(function)
         def call(*values: Any, **values_by_name: Any) -> Any:
             refuse_arguments(function.__name__, signature, values, values_by_name)
-            with named_interrupt(function.__name__):
-                return function(*values, **{**names, **values_by_name})
+            try:
+                with named_interrupt(function.__name__):
+                    return function(*values, **{**names, **values_by_name})
+            except (LawError, ModelError) as error:  # faults of the input: where it was examined says nothing
+                raise error.with_traceback(None) from None
 
         declared = inspect.signature(function)
         parameters = [

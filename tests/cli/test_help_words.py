@@ -62,7 +62,8 @@ def test_all_kinds_of_topics_are_found() -> None:
     [
         ("whirl", "designer.html"), ("dry friction whirl", "designer.html"), ("whirl", "run"),
         ("blow", "first-run.html"), ("blow", "run"), ("shock", "trust.html"),
-        ("mesh", "statics.html"), ("mesh", "trust.html"), ("mesh", "body.NAME.elements"),
+        ("external contact", "joint.NAME.kind"), ("mesh", "statics.html"),
+        ("mesh", "trust.html"), ("mesh", "body.NAME.elements"),
     ],
 )  # fmt: skip
 def test_phenomena_that_cautions_and_pages_name_are_found(text: str, topic: str) -> None:

@@ -16,7 +16,7 @@ from vfife.dynamics.basins import Basins, attractors, basins
 from vfife.dynamics.bifurcation import bifurcation
 from vfife.dynamics.step_check import CheckedMap, Companion, packed, sampled, unpacked
 from vfife.errors import ModelError
-from vfife.measures.chaos import Verdict, verdict
+from vfife.measures.chaos import Verdict, exponent, verdict
 from vfife.modelfile import load
 from vfife.plots.dynamics import shares
 from vfife.report.document import Table
@@ -98,22 +98,42 @@ def test_motions_that_may_be_transients_are_named_by_number(transients: list[int
 
 
 @pytest.mark.parametrize(
-    ("kinds", "sentences"),
+    ("kinds", "rate", "sentences"),
     [
-        (["period 1"] * 3 + ["not settled"], []),
+        (["period 1"] * 3 + ["not settled"], -0.07, []),
         (
             ["period 1"] * 2 + ["not settled"],
+            math.nan,
             ["1 of 3 starts are not settled: take more turns (--turns 600)."],
         ),
-        (["period 1", "chaotic"], ["Chaotic within 60 turns: a longer transient is possible: --turns 600."]),
+        (
+            ["not settled"] * 2,
+            -0.07,
+            [
+                "2 of 2 starts are not settled: take more turns (--turns 150: a small difference shrinks by"
+                " 7 % a turn there)."
+            ],
+        ),
+        (
+            ["period 1", "chaotic"],
+            -0.07,
+            ["Chaotic within 60 turns: a longer transient is possible: --turns 600."],
+        ),
     ],
 )
-def test_starts_that_may_need_more_turns_are_named(kinds: list[str], sentences: list[str]) -> None:
+def test_starts_that_may_need_more_turns_are_named(
+    kinds: list[str], rate: float, sentences: list[str]
+) -> None:
+    """ln 1000 is 6.91: a difference that shrinks by 0.07 a turn takes 98.7 turns, two thirds of 148."""
     found: Any = SimpleNamespace(
-        verdicts=dict(enumerate(Verdict(kind, None, 0.0) for kind in kinds)), spec=SimpleNamespace(turns=60)
+        verdicts=dict(enumerate(Verdict(kind, None, 0.0, exponent([rate] * 9)) for kind in kinds)),
+        attractors=[SimpleNamespace(kind=kind, members=(k,)) for k, kind in enumerate(kinds)],
+        spec=SimpleNamespace(turns=60, dropped=40),
     )
     found.words_of = partial(CheckedMap.words_of, found)
     assert unsettled_sentences(found) == sentences
+    found.attractors = [SimpleNamespace(kind="period 1", members=range(len(kinds)))]
+    assert not any("not settled" in text for text in unsettled_sentences(found))
 
 
 @pytest.mark.system("breaks a grid of starts off")

@@ -52,4 +52,6 @@ def test_a_run_that_still_approaches_its_limit_is_not_called_not_periodic(speed:
     """Its turns had nothing in common for ten turns, and their distances halve every other turn then."""
     result = vfife.simulate(impact_oscillator(speed), turns=turns, outputs=720, companions=0)
     assert result.motion.motion == "settling" and result.motion.first == turns
-    assert "The turns do not repeat yet" in str(result) and "longer transient" not in str(result)
+    assert "The motion still settles: its turns do not repeat yet" in str(
+        result
+    ) and "longer transient" not in str(result)

@@ -2,6 +2,7 @@
 are changed on the way.
 """
 
+import dataclasses
 import math
 import sqlite3
 
@@ -13,7 +14,7 @@ from vfife.dynamics import load_map
 from vfife.dynamics.sections import poincare_section
 from vfife.dynamics.start_states import StartStates
 from vfife.errors import ModelError, VfifeError
-from vfife.laws import Frictionless, LankaraniNikravesh
+from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh
 from vfife.modelfile import load
 from vfife.simulation.turn_steps import with_steps
 from vfife.solvers.impact_section import COLUMNS, ImpactSection
@@ -281,3 +282,30 @@ def test_a_section_stopped_in_its_discarded_turns_is_shown(tmp_path, monkeypatch
         )
         assert found.verdict.kind == "not decided" and found.plot() and len(list(found.table())) == 1
     assert poincare_section(loose(), **SHORT, file=tmp_path / "a.map").done == part.planned
+
+
+def test_an_unknown_series_has_the_names_of_its_body() -> None:
+    with pytest.raises(ModelError, match=r"Name one of ball\.x, ball\.y, .*ball\.u, ball\.v"):
+        poincare_section(billiard(0.0), turns=3, series=["ball.velocity_x"])
+
+
+def test_a_coefficient_of_zero_is_no_friction() -> None:
+    m = billiard(0.0)
+    assert "friction none" in poincare_section(m, turns=3, step=5e-5).laws
+    m.joints["O"] = dataclasses.replace(m.joints["O"], friction=Ambrosio(coefficient=0.0))
+    assert poincare_section(m, turns=3, step=5e-5).laws.endswith(", no friction")
+
+
+def test_a_difference_that_decays_fast_is_followed_for_any_number_of_turns() -> None:
+    """A damped rod, with c T/(2 J) = 5; e^-5 a turn leaves the range of numbers after 140 turns."""
+    m = vfife.Mechanism("damped rod", gravity=(0.0, 0.0))
+    rod = m.link("rod", length=1.0, mass=3.0)
+    m.revolute("hinge", m.point("P", 0.0, 0.0), rod.start)
+    m.torsional_spring("spring", "ground", "rod", stiffness=100.0, damping=10.0)
+    rotor = m.rigid_body("rotor", mass=0.1, inertia=1e-3, position=(2.0, 0.0))
+    m.revolute("shaft", m.point("Q", 2.0, 0.0), rotor.pin())
+    m.drive(rotor, speed=math.tau)
+    m.moment("force", "rod.end", moment=0.9, expression="cos(angle)", crank="rotor", angles=[0, "360 deg"])
+    found = poincare_section(m, turns=250, dropped=10, step=2e-3)
+    assert found.exponent is not None and found.exponent.low <= -5.0 <= found.exponent.high
+    assert found.exponent.value == pytest.approx(-5.0, abs=0.01)

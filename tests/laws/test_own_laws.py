@@ -342,6 +342,16 @@ def test_all_faults_at_once_before_a_run(tmp_path):
     assert len(str(told.value).splitlines()) == 2
 
 
+def test_all_faults_of_a_force_are_told_in_a_short_traceback(tmp_path):
+    """A preload and a constant damping act while surfaces are apart: two faults, each told once."""
+    (mine,) = loaded(tmp_path, COPY.replace(ANSWER, "return elastic + 2.0, 3.0"))
+    with pytest.raises(LawError) as told:
+        simulate(four_bar("C", contact=mine()), turns=0.05)
+    first, second = str(told.value).splitlines()
+    assert "0 where nothing is pressed in" in first and "while the surfaces are apart" in second
+    assert len(told.traceback) == 2 and told.value.__suppress_context__
+
+
 def test_a_file_that_is_missing(tmp_path):
     with pytest.raises(LawError, match="cannot be read .No such file"):
         load_laws(tmp_path / "none.py")

@@ -66,6 +66,25 @@ def test_a_range_holds_the_multipliers_of_a_rotating_difference(angle):
         )
 
 
+def test_points_that_scatter_widen_the_range_by_the_scatter_of_turns() -> None:
+    """Single turns of -0.06 and -0.04 a turn: the error of their mean is not that of halves, which agree."""
+    growth = exponent([-0.06, -0.04] * 30)
+    narrow = growth.with_finer(growth)
+    points = 1.0 + 1e-4 * np.random.default_rng(1).uniform(size=60)
+    found = verdict(points, narrow, ranges=lambda: np.array([1.0])).exponent
+    assert found is not None and found.low == pytest.approx(narrow.low - 0.01)
+    assert found.high == pytest.approx(narrow.high + 0.01) and found.value == growth.value
+    assert growth.with_scatter() is growth, "its range is not estimated"
+
+
+def test_an_exponent_whose_wide_range_has_both_signs_is_not_known() -> None:
+    """A value of +0.821 inside -6.65 to +6.01 says nothing; that of a quasi-periodic motion is about zero."""
+    wide = dataclasses.replace(exponent([0.821] * 40), low=-6.65, high=6.01)
+    assert wide.words == "exponent not known, between -6.65 and +6.01 per turn"
+    narrow = dataclasses.replace(wide, low=-0.03, high=0.05)
+    assert narrow.words == "exponent +0.821 per turn (-0.03 to +0.05)"
+
+
 def test_the_exponent_of_henon_is_0_419():
     """a = 1.4, b = 0.3, with the tangent renormalised at each step; 0.4192 (Wolf et al. 1985: 0.603 bits)."""
     x, y, tangent, logs = 0.1, 0.1, np.array([1.0, 0.0]), []

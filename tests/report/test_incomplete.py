@@ -74,19 +74,27 @@ def test_no_chaos_is_limited_to_what_is_computed() -> None:
     part = vfife.bifurcation(
         driven_oscillator(), "spring.spring.damping", 1.0, 2.0, **given, progress=stop_after(2)
     )
-    assert "No chaos was found in the 2 of 3 values." in text(part)
+    assert "No chaos was found within 120 turns at 2 of 3 values from 1 to 2" in text(part).replace(
+        " N s/m", ""
+    )
 
 
 def test_no_chaos_is_not_said_of_motions_that_are_not_decided() -> None:
     def words(*kinds: str) -> str:
         diagram: Any = SimpleNamespace(
-            shown=(1.0, "m"), progress="", kinds=[kinds], spec=SimpleNamespace(ways=["up"], values=(1.0, 2.0))
+            shown=(1.0, "m"),
+            progress="",
+            kinds=[kinds],
+            spec=SimpleNamespace(ways=["up"], values=(1.0, 2.0), turns=60),
         )
         return _chaos(diagram)
 
-    assert words("period 1", "period 2") == "No chaos was found."
+    place = "within 60 turns at 2 values from 1 m to 2 m"
+    assert words("period 1", "period 2") == f"No chaos was found {place}."
     assert words("not settled", "not decided").startswith("Whether there is chaos is not known")
-    assert words("period 1", "not settled") == "No chaos was found; of 1 of 2 motions nothing is known."
+    assert (
+        words("period 1", "not settled") == f"No chaos was found {place}; of 1 of 2 motions nothing is known."
+    )
 
 
 def test_chaos_is_limited_to_the_turns_that_are_computed() -> None:

@@ -122,3 +122,23 @@ def test_the_mean_over_turns_that_never_repeat_has_an_error_of_sampling() -> Non
     assert power.low < 0.0 < power.high
     last = vfife.simulate(arm(math.pi), turns=9, outputs=OUTPUTS).measures["upper.power.mean"]
     assert abs(power.value) > 100.0 * (last.high - last.low) * abs(power.value / last.value)
+
+
+@pytest.mark.parametrize(("turns", "cycle"), [(12.0, 12), (4.5, 9)])
+def test_loads_that_repeat_over_time_have_a_cycle(turns: float, cycle: int) -> None:
+    """A period of 4.5 turns makes whole turns after 9; dead centres stay those of each turn."""
+    m = vfife.gallery.slider_crank()
+    (speed,) = (abs(driver.steady_speed or 0.0) for driver in m.drivers.values())
+    period = turns * TURN / speed
+    load = {"expression": f"cos({TURN / period!r}*t)", "times": [0.0, period], "repeat": True}
+    m.force("pull", "block.center", force=(500.0, 0.0), **load)
+    assert cycle_of(m)["load pull"] == cycle
+    result = vfife.simulate(m, turns=2 * cycle + 2, outputs=OUTPUTS * (2 * cycle + 2), companions=0)
+    assert result.motion.period == cycle and result.motion.motion == "periodic"
+    assert f"load pull repeats after {cycle} of them" in " ".join(str(result).split())
+    assert "Dead centres" in str(result)
+    m.loads.clear()
+    m.force(
+        "pull", "block.center", force=(500.0, 0.0), **load | {"times": [0.0, 0.9 * period], "repeat": False}
+    )
+    assert "load pull" not in cycle_of(m)

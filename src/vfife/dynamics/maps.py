@@ -91,9 +91,9 @@ class Map(NotebookDocument, DataTable):
         joints: dict[str, list[str]] = {}
         mechanism = loads(self.spec.model)
         for name, joint in mechanism.contacts.items():
-            joints.setdefault(f"contact {joint.contact.name}, friction {joint.friction.name}", []).append(
-                name
-            )
+            has_none = getattr(joint.friction, "coefficient", None) == 0.0
+            friction = "no friction" if has_none else f"friction {joint.friction.name}"
+            joints.setdefault(f"contact {joint.contact.name}, {friction}", []).append(name)
         parts = [
             words if len(joints) == 1 else f"{', '.join(names)}: {words}" for words, names in joints.items()
         ]

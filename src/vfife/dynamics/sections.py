@@ -109,8 +109,13 @@ class PoincareSection(Map):
     @property
     def exponent(self) -> Exponent | None:
         """Largest Lyapunov exponent (1/turn), with its running mean, and a range from the motion with half
-        the step.
+        the step; that of a periodic motion whose points scatter is wider.
         """
+        return self.verdict.exponent
+
+    @property
+    def _growth(self) -> Exponent | None:
+        """The exponent, with a range from the motion with half the step."""
         if len(self.growth) < 2:
             return None
         largest = exponent(self.growth)
@@ -122,7 +127,7 @@ class PoincareSection(Map):
     def verdict(self) -> Verdict:
         """Kind of the motion, with the evidence."""
         points = np.stack(list(self.points.values()), axis=1)
-        return classified(self.spec, points, self.exponent)
+        return classified(self.spec, points, self._growth)
 
     @cached_property
     def misfit(self) -> Misfit | None:

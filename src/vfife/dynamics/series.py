@@ -48,13 +48,14 @@ def refuse_unknown(
     argument: str, names: Sequence[str], choices: Sequence[str], message: str, otherwise: str, model: Assembly
 ) -> None:
     """Raise ModelError with a fault of the ``argument`` for each of ``names`` that is not among ``choices``,
-    with the most similar name or the remedy ``otherwise``.
+    with the names of its body or joint, the most similar name or the remedy ``otherwise``.
     """
-    wrong = [
-        Fault(argument, message, name, "", suggestion(name, choices, otherwise))
-        for name in names
-        if name not in choices
-    ]
+    wrong = []
+    for name in (name for name in names if name not in choices):
+        part = f"{str(name).partition('.')[0]}."
+        of_part = ", ".join(choice for choice in choices if choice.startswith(part))
+        remedy = f"name one of {of_part}" if of_part else suggestion(name, choices, otherwise)
+        wrong.append(Fault(argument, message, name, "", remedy))
     if wrong:
         raise ModelError(wrong, model.mechanism.name)
 

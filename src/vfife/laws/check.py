@@ -224,14 +224,14 @@ def faults_of_numbers(law: Law, pair: Pair) -> list[str]:
             ]
     p = tuple(float(value) for value in p)
     states = contact_states(pair) if kind == "contact" else friction_states(len(law.memory))  # type: ignore[attr-defined]
+    problems: dict[str, str] = {}  # by the remedy: each once
     for state in states:
-        fault = fault_at(law, kind, state, p)
-        if fault:
-            text = zip(ARGUMENTS[kind], state, UNITS[kind == "friction"], strict=False)
-            at = ", ".join(
-                f"{name} {value:g} {unit}" for name, value, unit in text if isinstance(value, float)
-            )
-            return [f"{origin}, function force: {fault} (at {at})"]
+        text = zip(ARGUMENTS[kind], state, UNITS[kind == "friction"], strict=False)
+        at = ", ".join(f"{name} {value:g} {unit}" for name, value, unit in text if isinstance(value, float))
+        for fault in faults_at(law, kind, state, p):
+            problems.setdefault(fault.partition("; ")[2], f"{origin}, function force: {fault} (at {at})")
+    if problems:
+        return list(problems.values())
     return [*faults_of_film(law, pair, p), *faults_of_energy(law, pair, p)] if kind == "contact" else []
 
 
@@ -297,52 +297,43 @@ def friction_states(memories: int) -> Iterator[tuple[Any, ...]]:
                 yield normal, velocity, mobility, (0.0,) * memories if memories > 1 else 0.0, 1e-6
 
 
-def fault_at(law: Law, kind: str, state: tuple[Any, ...], p: tuple[float, ...]) -> str:
-    """Return the fault of the force at a state; "" if there is none."""
+def faults_at(law: Law, kind: str, state: tuple[Any, ...], p: tuple[float, ...]) -> list[str]:
+    """Return the faults of the force at a state."""
     try:
         answer: Any = law.force(*state, p)  # type: ignore[attr-defined]
     except ZeroDivisionError:
-        return (
+        return [
             "it divides by zero; a step calls it also while the surfaces are apart, so add a bound or choose"
             " by `a if condition else b`"
-        )
+        ]
     except Exception as error:
-        return f"it raises {type(error).__name__}: {error}"
+        return [f"it raises {type(error).__name__}: {error}"]
     if not isinstance(answer, tuple) or len(answer) != 2:
-        return f"it returns {answer!r}; it has to return two numbers, {ANSWER[kind]}"
+        return [f"it returns {answer!r}; it has to return two numbers, {ANSWER[kind]}"]
     for value in (answer[0], *answer[1]) if isinstance(answer[1], tuple) else answer:
         if isinstance(value, bool) or not isinstance(value, int | float):
-            return (
+            return [
                 f"it returns {value!r} of type {type(value).__name__}; it has to return two numbers,"
                 f" {ANSWER[kind]}"
-            )
+            ]
         if not math.isfinite(value):
-            return f"it returns {answer[0]!r} and {answer[1]!r}; both have to be finite"
+            return [f"it returns {answer[0]!r} and {answer[1]!r}; both have to be finite"]
     first, second = answer
+    force, damping = f"the elastic force is {first:g} N", f"the damping coefficient is {second:g} N s/m"
     if kind == "friction":
-        return (
-            f"a friction of {first:g} N without a normal force; it has to vanish with it"
-            if state[0] == 0.0 and first != 0.0
-            else ""
-        )
-    if first < 0.0:
-        return (
-            f"the elastic force is {first:g} N; surfaces that press on one another push, so it has to be 0 or"
-            " more"
-        )
-    if second < 0.0:
-        return (
-            f"the damping coefficient is {second:g} N s/m; it has to be 0 or more, or the contact would give"
-            " energy"
-        )
-    if state[0] == 0.0 and first != 0.0:
-        return f"the elastic force is {first:g} N; it has to be 0 where nothing is pressed in"
-    if state == (0.0, 0.0) and second != 0.0:
-        return (
-            f"the damping coefficient is {second:g} N s/m while the surfaces are apart; it has to be 0 there,"
-            " where slowness is 0"
-        )
-    return ""
+        friction = f"a friction of {first:g} N without a normal force; it has to vanish with it"
+        return [friction] if state[0] == 0.0 and first != 0.0 else []
+    problems = {
+        f"{force}; surfaces that press on one another push, so it has to be 0 or more": first < 0.0,
+        f"{damping}; it has to be 0 or more, or the contact would give energy": second < 0.0,
+        f"{force}; it has to be 0 where nothing is pressed in: `F if penetration > 0.0 else 0.0`": state[0]
+        == 0.0
+        and first > 0.0,
+        f"{damping} while the surfaces are apart; it has to be 0 there, where slowness is 0": (
+            state == (0.0, 0.0) and second > 0.0
+        ),
+    }
+    return [problem for problem, fails in problems.items() if fails]
 
 
 def agreements(law: Law, pair: Pair, javascript: bool = False) -> list[Agreement]:

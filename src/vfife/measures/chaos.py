@@ -49,6 +49,7 @@ NO_EXPONENT = (
     "exponent not estimated, because there was no small difference, or it left the range of numbers, in some"
     " turn"
 )
+UNKNOWN_WIDTH = 1.0  # width (1/turn) of a range about zero from which on the exponent is not known
 # Growth below this (ln 1e-300, and its rounding) is that of a difference that vanished; files of former
 # versions contain it.
 VANISHED = -690.0
@@ -97,12 +98,19 @@ class Exponent:
         return self.value == -math.inf
 
     @property
+    def unknown(self) -> bool:
+        """Whether the range has both signs and is so wide that its value says nothing."""
+        return self.low < 0.0 < self.high and self.high - self.low > UNKNOWN_WIDTH
+
+    @property
     def words(self) -> str:
         """The exponent with its range or without, in words."""
         if math.isnan(self.value):
             return NO_EXPONENT
         if self.vanished:
             return NO_BOUND
+        if self.unknown:
+            return f"exponent not known, between {signed_range(self.low, self.high, 'and')} per turn"
         if self.estimated:
             return f"exponent {self.value:+.3g} per turn ({signed_range(self.low, self.high)})"
         halves = f"{signed_range(*self.halves, 'and')} in its halves"
@@ -144,6 +152,16 @@ class Exponent:
         count = np.arange(1, len(self.running) + 1)
         swing = np.append(0.0, count * (self.running - self.value))
         return float(np.ptp(swing)) / len(count)
+
+    def with_scatter(self) -> Exponent:
+        """Return the exponent of a periodic motion whose points scatter with the step: its range is wider by
+        the standard deviation of single turns, because near a bifurcation the mean is as far from that of the
+        motion itself, with any step.
+        """
+        if not self.estimated:
+            return self
+        scatter = float(np.diff(np.arange(1, len(self.running) + 1) * self.running, prepend=0.0).std())
+        return dataclasses.replace(self, low=self.low - scatter, high=self.high + scatter)
 
     def with_finer(self, finer: Exponent) -> Exponent:
         """Return the exponent with a range that includes that of a motion with half the step.
@@ -345,6 +363,7 @@ def scattered_verdict(
             f" turns apart much closer: {LONGER_OR_STEP}"
         )
         return Verdict(UNDECIDED, None, distance, growth, reason=reason)
+    growth = growth and growth.with_scatter()
     return Verdict(f"period {shift}", shift, distance, growth, scatter=share, repeats=repeats or 0)
 
 

@@ -85,7 +85,8 @@ def repeats_each_turn(mechanism: Mechanism) -> bool:
 
 def cycle_of(mechanism: Mechanism) -> dict[str, int]:
     """Return the bodies that drivers of constant speed and gears turn, each with the number of turns of the
-    fastest driver in which it makes whole turns; none with a ratio of speeds that has no such number.
+    fastest driver in which it makes whole turns, and the loads that repeat, with the turns that make whole
+    periods; none with a ratio of speeds that has no such number.
     """
     drivers = {
         driver.body or name: driver for name, driver in mechanism.drivers.items() if turning_speed(driver)
@@ -107,6 +108,12 @@ def cycle_of(mechanism: Mechanism) -> dict[str, int]:
                 total = sum((factor * rates.get(body, 0) for body, factor in factors.items()), Fraction(0))
                 rates[unknown[0]] = -total / factors[unknown[0]]
     turns = {body: rate.denominator for body, rate in rates.items()}
+    for name, load in mechanism.loads.items() if fastest else ():
+        if load.repeats:
+            period, over_time = load.places[-1] - load.places[0], load.argument == "time"
+            rate = _ratio(2.0 * math.pi / (period * fastest if over_time else period))
+            cycle = (rate if over_time else rate * rates.get(load.crank or "", 0)).denominator
+            turns |= {f"load {name}": cycle} if cycle <= LONGEST_CYCLE else {}
     return turns if math.lcm(*turns.values()) <= LONGEST_CYCLE else {}
 
 

@@ -261,7 +261,8 @@ def convergence(ax: Axes, result: PoincareSection) -> None:
         ax.plot(turns, exponent.running, color=BLUE, lw=1.2)
         if exponent.estimated:
             ax.axhspan(exponent.low, exponent.high, color=VERMILION, alpha=0.2, lw=0.0)
-            text = f"{exponent.value:+.3g}; {signed_range(exponent.low, exponent.high)}"
+            value = "not known" if exponent.unknown else f"{exponent.value:+.3g}"
+            text = f"{value}; {signed_range(exponent.low, exponent.high)}"
         else:
             text = f"{exponent.value:+.3g}; halves {signed_range(*exponent.halves)}\n{STEP_UNKNOWN}"
         # The text stands where the curve is not.

@@ -43,7 +43,7 @@ def dead_centres(result: RunData, measures: Json, ideal: Json) -> list[dict[str,
     record = result.record
     mechanism, turn, time = record.assembly.mechanism, record.assembly.choice.turn, float(result.time[-1])
     parts = list(windows(record, result.motion))
-    is_slower = any(count > 1 for count in cycle_of(mechanism).values())
+    is_slower = any(count > 1 for name, count in cycle_of(mechanism).items() if name in mechanism.bodies)
     turns = turn is not None and time >= turn * (1.0 - 1e-9) and not is_slower
     entries = []
     for joint in mechanism.joints:

@@ -9,6 +9,8 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..job.progress import counted
 from ..measures.chaos import (
     CHAOTIC,
@@ -36,6 +38,7 @@ DIRECTIONS = {"up": "On the way up", "down": "On the way down"}
 MOST_ATTRACTORS = 12
 MOST_SPELLS = 8  # ranges of values of one direction that are listed
 PEAKS = 8
+SETTLING = 6.91  # ln 1000: a difference of the range of points decays to the tolerance of 0.1 %
 UNESTIMATED = "Errors of points, of the 0-1 test and of onsets: not estimated."
 
 
@@ -141,15 +144,19 @@ def _chaos(result: Bifurcation) -> str:
             f"{result.words_of(CHAOTIC).capitalize()}: {', '.join(texts)};"
             f" {longer_transient(result.spec.turns)}.{limit}"
         )
-    place = f" in the {result.progress}" if result.progress else ""
+    values = result.spec.values
+    low, high = (quantity(factor * end, unit) for end in (min(values), max(values)))
+    count = result.progress or counted(len(values), "value")
+    ends = f"from {low} to {high}" if len(values) > 1 else f"of {low}"
+    place = f"within {result.spec.turns:,} turns at {count} {ends}"
     motions = [kind for kinds in result.kinds for kind in kinds if kind]
     open_kinds = sum(kind in (UNDECIDED, UNSETTLED) for kind in motions)
     if not open_kinds:
-        return f"No chaos was found{place}."
+        return f"No chaos was found {place}."
     if open_kinds == len(motions):
-        return f"Whether there is chaos{place} is not known: no motion is decided. Take more turns."
+        return f"Whether there is chaos is not known: no motion is decided {place}. Take more turns."
     part = f"{open_kinds} of {counted(len(motions), 'motion')}"
-    return f"No chaos was found{place}; of {part} nothing is known."
+    return f"No chaos was found {place}; of {part} nothing is known."
 
 
 def spells_words(spells: Sequence[Spell], unit: str, factor: float = 1.0) -> str:
@@ -249,11 +256,19 @@ def _unsettled_starts(result: Basins) -> list[str]:
     """Return what chaotic starts leave open, and the remedy if more than a quarter of the starts are not
     settled.
     """
-    kinds, turns = [motion.kind for motion in result.verdicts.values()], result.spec.turns
-    texts = [f"{result.words_of(CHAOTIC).capitalize()}: {longer_transient(turns)}."] * (CHAOTIC in kinds)
-    if 4 * (unsettled := kinds.count(UNSETTLED)) > len(kinds):
-        count = f"{unsettled:,} of {len(kinds):,} starts are not settled"
-        texts.append(f"{count}: take more turns (--turns {LONGER * turns}).")
+    spec, motions = result.spec, result.verdicts
+    chaotic = any(motion.kind == CHAOTIC for motion in motions.values())
+    texts = [f"{result.words_of(CHAOTIC).capitalize()}: {longer_transient(spec.turns)}."] * chaotic
+    numbers = [n for group in result.attractors if group.kind == UNSETTLED for n in group.members]
+    if 4 * len(numbers) > len(motions):
+        growths = [growth.value for n in numbers if (growth := motions[n].exponent) and growth.value < 0.0]
+        rate = max(float(np.median(growths or [0.0])), -SETTLING)
+        # Turns to be discarded until a difference of the size of the motion is within the tolerance.
+        needed = SETTLING * spec.turns / max(spec.dropped, 1) / max(-rate, 1e-6)
+        advised = min(max(10 * math.ceil(needed / 10.0), 2 * spec.turns), LONGER * spec.turns)
+        reason = f": a small difference shrinks by {-100.0 * rate:.2g} % a turn there" * (rate < 0.0)
+        shares = f"{len(numbers):,} of {len(motions):,}"
+        texts.append(f"{shares} starts are not settled: take more turns (--turns {advised}{reason}).")
     return texts
 
 

@@ -177,6 +177,7 @@ def uncertain(summary: Json) -> bool:
         (not former["included"] and (former["sensitive"] or not former["measure"]))
         or bool(scatter_over_turns(summary))
         or without_turns(summary)
+        or (bool(settling_sentence(summary)) and summary["turns"]["distance"] > CERTAIN)
         or any(error > CERTAIN for error in errors(summary).values())
     )
 
@@ -185,6 +186,7 @@ def certainty(summary: Json) -> str:
     """Return how far the forces, moments and torques of a run can be trusted, in one or two sentences."""
     sentences = [
         fall_sentence(summary),
+        settling_sentence(summary),
         _from_its_start(summary, _with_meshes(summary)),
         law_sentence(summary),
         period_sentence(summary),
@@ -287,10 +289,11 @@ def _certainty(summary: Json) -> str:
     # Of a run without forces no measure decides: its name is empty, and it has no range.
     excepted = trust["sensitive"] and measure and measure not in sizes and not measure.endswith(DECISIVE)
     exception = [_interval(summary, measure)] if excepted else []
+    of_turn = " for this turn alone" * bool(settling_sentence(summary))
     if not inexact:
-        head = f"{RELIABLE}: {sure}" if sure else RELIABLE
+        head = f"{RELIABLE}{of_turn}{f': {sure}' if sure else ''}"
         return f"{head}.{' Less certain: ' + exception[0] + '.' if exception else ''}{unstable_tries(trust)}"
-    remainder = f" {RELIABLE}: {'the other ' if shown else ''}{sure}." if sure else ""
+    remainder = f" {RELIABLE}{of_turn}: {'the other ' if shown else ''}{sure}." if sure else ""
     if not trust.get("automatic", True):
         remainder = " The step was given: ranges cover it and its companions only; others may differ more."
     # An acceleration leads only where nothing that a joint has to carry is uncertain.
@@ -450,13 +453,19 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
 # --------------------------------------------------------------------------------------------------- cautions
 
 
-def alternation_caution(turns: Json) -> str:
-    """Return the sentence of a settling motion that alternates; "" for any other."""
-    decay, count = turns.get("decay"), turns["count"]
-    if not decay:
+def settling_sentence(summary: Json) -> str:
+    """Return by how much turns differ that do not repeat yet, and how many to run; "" for others."""
+    turns = summary["turns"]
+    is_open = turns and turns["motion"] in ("settling", "unsettled") and summary["status"] not in FAILURES
+    distance = (turns["distance"] or 0.0) if is_open else 0.0
+    if distance < LEAST_DISTANCE:
         return ""
-    words = alternation_words(decay, turns["distance"])
-    return f"The motion still settles: its turns do not repeat in pairs, {words}. Run {2 * count} turns."
+    state = "The motion still settles: its" if turns["motion"] == "settling" else "The"
+    if decay := turns.get("decay"):
+        words = alternation_words(decay, distance)
+        return f"{state} turns do not repeat in pairs, {words}. Run {2 * turns['count']} turns."
+    options = settling_options(turns["count"])
+    return f"{state} turns do not repeat yet ({turn_distance(distance)} apart): run it with {options}."
 
 
 def settling_options(count: int) -> str:
@@ -475,13 +484,11 @@ def cautions(summary: Json) -> Iterator[str]:
     yield from (text for text in summary["warnings"] if text != leading)
     turns = summary["turns"]
     if turns and turns["motion"] in ("settling", "unsettled") and turns["distance"] is not None:
-        distance = turn_distance(turns["distance"])
-        yield alternation_caution(turns) or (
-            f"The turns do not repeat yet ({distance} apart): run it with {settling_options(turns['count'])}."
-            if turns["distance"] >= LEAST_DISTANCE
-            else f"The last turn is {distance} from one before it; whether turns repeat shows in more:"
-            f" --turns {turns_to_settle(turns['count'])}."
-        )
+        if turns["distance"] < LEAST_DISTANCE:
+            yield (
+                f"The last turn is {turn_distance(turns['distance'])} from one before it; whether turns"
+                f" repeat shows in more: --turns {turns_to_settle(turns['count'])}."
+            )
     elif (
         summary["contacts"] and summary["run"].get("steady") and (summary["run"]["turns"] or 0.0) < TWO_TURNS
     ):

@@ -291,6 +291,7 @@ def _pair(
 
 # ----------------------------------------------------------------------------------------- Lyapunov exponents
 
+OVERFLOW = 1e200  # of differences that have no weight in the norm
 ALIGNED = 10  # turns in which a difference aligns with the direction of its largest growth
 
 
@@ -391,6 +392,9 @@ class LyapunovRunner:
             growth = np.asarray(log(np.where(vanished, 1.0, size)))
             difference[np.ix_(self.parameters, ~vanished)] = 0.0
             difference /= np.where(vanished, 1.0, size)
+        # Sums such as energies do not act on the motion: their differences stay while that of a strongly
+        # attracting one decays, so that each scaling enlarges them, without end.
+        difference[(self.weights == 0.0) & (np.abs(difference) > OVERFLOW)] = 0.0
         growth[vanished] = np.where(was_fresh[vanished], np.nan, -np.inf)
         difference[:, vanished], self.fresh = self.seeds[:, vanished], vanished
         if (self.fresh != was_fresh).any():

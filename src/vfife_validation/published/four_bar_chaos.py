@@ -67,7 +67,8 @@ def verdicts(diagrams: dict[tuple[float, float], Bifurcation]) -> list[Verdict]:
             Verdict(
                 f"the motion is periodic or chaotic, depending on the clearance (friction {friction:g})",
                 0 < sum(counts) < len(SPEEDS) * COUNT,
-                f"{counts[0]} and {counts[1]} of {COUNT} clearances at {words} rpm are chaotic",
+                f"{counts[0]} and {counts[1]} of {COUNT} clearances at {words} rpm are chaotic within"
+                f" {TURNS} turns",
             ),
             Verdict(
                 f"the clearances with stable motion depend on the speed (friction {friction:g})",
@@ -86,7 +87,8 @@ def item() -> Item:
     names = {case: f"friction {case[0]:g}, {case[1]:g} rpm" for case in cases}
     places = 1e3 * np.array(diagrams[cases[0]].spec.values)
     rows = [
-        (f"{place:.1f} mm", *(diagrams[case].kinds[0][k] for case in cases)) for k, place in enumerate(places)
+        (f"{place:.1f} mm", *(diagrams[case].words_of(diagrams[case].kinds[0][k]) for case in cases))
+        for k, place in enumerate(places)
     ]
     lines = [
         Line(places, diagrams[case].exponents[0, :, 0], names[case], style)

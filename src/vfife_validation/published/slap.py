@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from vfife import Mechanism, gallery
 from vfife.dynamics import bifurcation, poincare_section
+from vfife.measures.chaos import kind_words
 from vfife.modelfile.parameter import with_values
 from vfife.report.document import Table
 
@@ -21,7 +22,8 @@ SPEEDS = (200.0, 1000.0, 3000.0, 6000.0)  # rpm
 RESTITUTIONS = (0.5, 0.6, 0.7, 0.8, 0.9)
 FRICTIONS = (0.0, 0.3)
 SLOW = 2  # speeds without gravity: the first ones
-TURNS, BINS = 90, 36  # turns of a motion; bins of 10 degrees of the crank
+TURNS, SECTION_TURNS = 90, 300  # of a motion
+BINS = 36  # of 10 degrees of the crank
 RESTITUTION_PATH, SPEED_PATH = "joint.guide.contact.restitution", "driver.crank.speed"
 FRICTION_PATH = "joint.guide.friction.coefficient"
 SERIES = ("block.y", "block.v")
@@ -91,7 +93,7 @@ def kinds(friction: float = 0.0, gravity: bool = True, speeds: tuple[float, ...]
     )
 
 
-def impacts(speed: float, restitution: float, turns: int = 300) -> Impacts:
+def impacts(speed: float, restitution: float, turns: int = SECTION_TURNS) -> Impacts:
     """Compute the Poincaré section of a motion and its impacts."""
     section = poincare_section(slap(speed, restitution), joints=["guide"], series=SERIES, turns=turns)
     struck = section.struck["guide"]
@@ -127,7 +129,7 @@ def verdicts(results: dict[float, Kinds], floating: Kinds, sections: list[Impact
             "it prevails with low friction of the bearing",
             chaos[0] > 1.25 * chaos[1],
             f"{chaos[0]} of {size} motions without friction and {chaos[1]} with {FRICTIONS[-1]:g} are"
-            " chaotic; the friction of the thesis may be another one",
+            f" chaotic within {TURNS} turns; the friction of the thesis may be another one",
         ),
         Verdict(
             "motion is periodic at low crank speeds", slow == len(RESTITUTIONS),
@@ -151,8 +153,8 @@ def verdicts(results: dict[float, Kinds], floating: Kinds, sections: list[Impact
         Verdict(
             "three types of motion occur: periodic, chaotic and transient chaos",
             None if min(periods) else False,
-            f"{periods[0]} periodic and {periods[1]} chaotic motions of {size}; {TURNS} turns do not show"
-            " whether chaos ends later",
+            f"{periods[0]} periodic motions of {size} and {periods[1]} chaotic within {TURNS} turns, which do"
+            " not show whether chaos ends later",
         ),
     ]  # fmt: skip
 
@@ -161,7 +163,7 @@ def table(results: Kinds, title: str) -> Table:
     """Tabulate kinds of motion and exponents."""
     rows = [
         (f"{speed:g} rpm", *(
-            kind if math.isnan(value) else f"{kind} ({value:.1f})"
+            kind_words(kind, TURNS) + ("" if math.isnan(value) else f" ({value:.1f})")
             for kind, value in zip(row, values, strict=True)
         ))
         for speed, row, values in zip(results.speeds, results.kinds, results.exponents, strict=True)
@@ -173,7 +175,7 @@ def chart(sections: list[Impacts]) -> Chart:
     """Draw the Poincaré section and the impacts of each motion."""
     panels = []
     for (speed, e), section in zip(PRINTED, sections, strict=True):
-        name = f"{speed:g} rpm, restitution {e:g}: {section.kind}"
+        name = f"{speed:g} rpm, restitution {e:g}: {kind_words(section.kind, SECTION_TURNS)}"
         # Rounded, because a periodic motion has one point, whose last digits would set the axes.
         points = Line(np.round(section.height, 6), np.round(1e3 * section.velocity, 3), dots=True)
         hits = Line(section.crank, 1e3 * section.speed, dots=True)

@@ -57,7 +57,13 @@ class MapOptions(AnswerFileOptions, ModelOptions, JobOptions):
 class OrbitOptions(MapOptions):
     """Series recorded once a turn."""
 
-    of: list[str] | None = option(None, "Series recorded once per turn.", "SERIES", show_default=SERIES)
+    of: list[str] | None = option(
+        None,
+        "Series recorded once per turn, as in rail.position and rail.velocity of a slider, or rod.x and rod.u"
+        " of a body.",
+        "SERIES",
+        show_default=SERIES,
+    )
     phase: float = option(
         0.0, "Crank angle of the section, relative to the start.", "DEG", min=0.0, max=360.0
     )

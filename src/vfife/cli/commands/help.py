@@ -116,6 +116,8 @@ KEY_WORDS = {
     "end_inertia": "flywheel gear",
     "points": "cam groove",
     "elements": "mesh",
+    "kind": "external",
+    "journal_radius": "external contact floor wall",
 }
 # Endings of measures by the words that find them.
 MEASURE_WORDS = {
