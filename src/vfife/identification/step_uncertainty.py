@@ -243,9 +243,8 @@ def concluded(
     jacobian = None if slopes is None else without_own(slopes.jacobian, parameters)
     work = records, shares, outcome
     sensitivity = None if jacobian is None else sensitivity_of(*work, jacobian, shared_shares)
-    inflation = 1.0 if sensitivity is None else sensitivity.inflation
     is_rough = records[0].curves.has_contacts
-    inflation *= ROUGHNESS if is_rough else 1.0
+    inflation = (ROUGHNESS if is_rough else 1.0) * (1.0 if sensitivity is None else sensitivity.inflation)
     parts, unknowns = curves_of(records, outcome), len(parameters) + nuisances(records)
     rows = [record.misfit.count for record in records]
     confidence = confidence_of(parts, shared, shared_shares, jacobian, unknowns, level, inflation, rows)
