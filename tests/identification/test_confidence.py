@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from vfife.identification.curve_sensitivity import CurveSensitivity
-from vfife.identification.other_minima import Search, excess_of, other_minima
+from vfife.identification.other_minima import Search, dispute_words, excess_of, other_minima
 from vfife.identification.parameters import FitParameter
 from vfife.identification.run_length import outputs_of
 from vfife.identification.step_uncertainty import autocorrelation, cautions, confidence_of
@@ -141,9 +141,27 @@ def test_a_dispute_spreads_to_what_it_moves_out_of_its_limits(correlation: float
     parameters = [FitParameter(name, (name,), "kg", 0.0, 1.0) for name in "ab"]
     search, limits = Search([(1.0, (0.5, 0.5)), (1.2, (0.58, 0.5))]), [(0.49, 0.51), (0.499, 0.501)]
     pairs = np.array([[1.0, correlation], [correlation, 1.0]])
-    minima = other_minima(parameters, search, (1.0, np.array([0.5, 0.5])), limits, pairs)
-    assert minima.disputed == [True, disputed]
+    work = (1.0, np.array([0.5, 0.5])), limits, pairs, False
+    assert other_minima(parameters, search, *work).disputed == [True, disputed]
     search.ends.pop()
-    assert (
-        other_minima(parameters, search, (1.0, np.array([0.5, 0.5])), limits, pairs).disputed == [False] * 2
-    )
+    assert other_minima(parameters, search, *work).disputed == [False] * 2
+
+
+@pytest.mark.parametrize(
+    ("ends", "is_rough", "confirmed"),
+    [
+        ([], True, True), ([0.5], True, False), ([0.5], False, True), ([0.5, 0.515], True, True),
+        ([0.5, 0.53], True, False),
+    ],
+)  # fmt: skip
+def test_with_contacts_two_searches_have_to_reach_a_point(
+    ends: list[float], is_rough: bool, confirmed: bool
+) -> None:
+    """To within the width of its limits; without an end the fit was interrupted."""
+    parameters = [FitParameter("a", ("a",), "kg", 0.0, 10.0)]
+    search = Search([(1.0, (end,)) for end in ends])
+    best = 1.0, np.array([0.05])
+    minima = other_minima(parameters, search, best, [(0.49, 0.51)], np.ones((1, 1)), is_rough)
+    assert minima.confirmed is confirmed
+    said = any("no two searches" in text for text in dispute_words(parameters, minima, search, 1.0))
+    assert said is not confirmed

@@ -17,10 +17,13 @@ from rigs import EXAMPLES, synthetic
 from vfife import Mechanism
 from vfife.cli.app import app
 from vfife.errors import ModelError, VfifeError
+from vfife.identification.batched_queries import Evaluations, Query
+from vfife.identification.fit_task import FitTask, plan_fit
 from vfife.identification.lawfit import fit_law
 from vfife.identification.other_minima import CONCENTRATED, concentration
 from vfife.identification.parameters import FitParameter
 from vfife.identification.step_uncertainty import autocorrelation, confidence_of
+from vfife.job.activity import ACTIVITY
 from vfife.modelfile import dump
 from vfife.results.fit import FitFile
 
@@ -308,6 +311,26 @@ def test_a_fit_goes_on_where_it_was_broken_off(tmp_path):
         vfife.load_result(file)
 
 
+def test_points_and_the_mark_of_the_best_are_written_together(tmp_path):
+    """A process that ends while it marks the best point leaves none of the points either."""
+
+    class Killed(FitFile):
+        def insert(self, table, *values):
+            if values[0] == "best":
+                raise KeyboardInterrupt
+            super().insert(table, *values)
+
+    FitFile.create(tmp_path / "a.fit", {"fit": {}}).close()
+    path = written(tmp_path / "s.csv", np.linspace(0.0, 1.2, 240), swing(np.linspace(0.0, 1.2, 240)))
+    task = plan_fit(oscillator(), path, BOUNDS, step="1 ms")
+    with Killed.write(tmp_path / "a.fit") as file:
+        evaluations = Evaluations(task.evaluated, task.parameters, file)
+        with pytest.raises(KeyboardInterrupt):
+            evaluations([Query((0.5,) * len(task.parameters))])
+    with FitFile.open(tmp_path / "a.fit") as file:
+        assert not file.keys("looks") and not file.keys("found") and not file.damage
+
+
 def test_more_effort_never_gives_a_worse_point_than_the_file_has(tmp_path):
     """A search from the stiffness of the model ends in a wrong minimum; a fit before it found the right one
     in the file. The answer is that one, and both searches count. It is the same after an interruption.
@@ -571,6 +594,23 @@ def test_decimal_commas_between_semicolons_are_read(tmp_path):
     points, commas = (measured(tmp_path / name, {"b.x": "m"}) for name in ("points.csv", "commas.csv"))
     assert "," in (tmp_path / "commas.csv").read_text()
     assert np.array_equal(points.curves[0].values, commas.curves[0].values)
+
+
+def test_the_command_says_what_it_does_before_the_forecast(tmp_path, monkeypatch):
+    """Assembling compiles for a minute where the cache is empty, and nothing else was shown than its name."""
+    texts = []
+
+    def forecast(*_):
+        texts.append(ACTIVITY.text)
+        raise VfifeError("enough")
+
+    monkeypatch.setattr(FitTask, "forecast", forecast)
+    t = np.linspace(0.0, 1.0, 120)
+    path, model = written(tmp_path / "s.csv", t, swing(t)), tmp_path / "m.toml"
+    model.write_text(dump(oscillator()))
+    target = ["-o", str(tmp_path / "s.fit")]
+    CliRunner().invoke(app, ["fit", str(model), str(path), "-p", "spring.k.damping=0.5..20", *target])
+    assert texts == ["reading the data, assembling the model and forecasting the fit"]
 
 
 def test_the_command_finds_writes_and_says_so(tmp_path):

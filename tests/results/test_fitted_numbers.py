@@ -80,14 +80,17 @@ def test_what_is_not_known_is_no_number() -> None:
     assert list(frame.loc["k", ["standard_error", "low", "high"]]) == [5.0, 290.0, 320.0]
     assert frame.loc["c", ["standard_error", "low", "high"]].isna().all() and frame.loc["c", "value"] == 300.0
     unknown = replace(two, known=False)
-    assert all(map(math.isnan, (unknown.error, unknown.low, unknown.high))) and unknown.ends == (100.0, 500.0)
-    assert math.isnan(unknown.json()["low"]) and unknown.width == two.width
+    assert all(map(math.isnan, (unknown.error, unknown.low, unknown.high))) and unknown.ends == (
+        200.0,
+        500.0,
+    ), "within the bounds"
+    assert math.isnan(unknown.json()["low"]) and unknown.width == 0.5
     assert "not known; fits nearly as well from 200 to 500)" in unknown.words(0.95), "within its bounds"
     assert "290" in ONE.words(0.95)
     again = values_of([vars(unknown)])[0]
-    assert again.ends == (100.0, 500.0) and math.isnan(again.low), "a file has the ends"
+    assert again.ends == (200.0, 500.0) and math.isnan(again.low), "a file has the ends"
     former = {name: value for name, value in vars(two).items() if name != "ends"} | {"known": False}
-    assert values_of([former])[0].ends == (100.0, 500.0), "a former file has limits"
+    assert values_of([former])[0].ends == (200.0, 500.0), "a former file has limits"
 
 
 def test_remarks_say_how_it_was_found() -> None:

@@ -211,6 +211,8 @@ class Evaluations:
         self.counts, self.stage_end, self.later = np.zeros(2, dtype=int), np.ones(2), np.zeros(2)
         self.stage_begin = np.zeros(2)
         self.calls, self.paces = np.zeros(2, dtype=int), np.zeros(2)
+        self.rows: list[Evaluation] = []  # to write
+        self.mark: list[Any] | None = None  # cost, shares and offsets of a new best point, to write with them
 
     @property
     def runs(self) -> int:
@@ -244,8 +246,15 @@ class Evaluations:
         outcomes = [self.joined(tuple(next(points) for _ in self.records)) for _ in queries]
         for query, outcome in zip(queries, outcomes, strict=True):
             self.count(query, outcome)
+        self.write()
         self.report()
         return outcomes
+
+    def write(self) -> None:
+        """Write what was computed, and which point is the best, in one transaction."""
+        if self.file is not None and (self.rows or self.mark):
+            self.file.add_points(self.rows, self.mark)
+        self.rows, self.mark = [], None
 
     def parts(self, query: Query) -> list[tuple[FitRecord, Query]]:
         """Return each record with its part of a query."""
@@ -258,7 +267,7 @@ class Evaluations:
     def completed(
         self, parts: Sequence[tuple[FitRecord, Query]], points: Sequence[Point | None], strict: bool = False
     ) -> list[Point]:
-        """Return the points of records with what they lack, computed together and written into the file.
+        """Return the points of records with what they lack, computed together; :meth:`write` has to follow.
         With ``strict`` raise VfifeError where no tangents exist, else take differences there.
         """
         requests = [list(missing(*part, point)) for part, point in zip(parts, points, strict=True)]
@@ -267,14 +276,11 @@ class Evaluations:
         runs = [request for group in requests for request in group]
         began = time.monotonic()
         traces = iter(traces_of(runs) if runs else ())
-        rows: list[Evaluation] = []
         answers = []
         for (record, query), point, group in zip(parts, points, requests, strict=True):
             if group or point is None:
-                point = self.computed(record, query, point, [next(traces) for _ in group], rows, strict)
+                point = self.computed(record, query, point, [next(traces) for _ in group], strict)
             answers.append(point)
-        if self.file is not None and rows:
-            self.file.add_points(rows)
         if runs:
             kind = int(any(query.tangents is not None for _, query in parts))
             self.calls[kind] += 1
@@ -318,15 +324,9 @@ class Evaluations:
         return None if row is None else Slopes(np.asarray(row[1]), np.array(row[0]["offsets"]))
 
     def computed(
-        self,
-        record: FitRecord,
-        query: Query,
-        point: Point | None,
-        traces: list[Any],
-        rows: list[Evaluation],
-        strict: bool,
+        self, record: FitRecord, query: Query, point: Point | None, traces: list[Any], strict: bool
     ) -> Point:
-        """Return a point from the ``traces`` of the runs that were missing; add what is new to ``rows``."""
+        """Return a point from the ``traces`` of missing runs; add what is new to the ``rows``."""
         misfit = record.misfit
         if point is None:
             trace = traces.pop(0)
@@ -335,7 +335,7 @@ class Evaluations:
             else:
                 guess = None if query.offsets is None else query.offsets[0]
                 point = Point(misfit(trace, guess), "", misfit.unsettled(trace))
-            rows.append((key(f"curves{record.key}", query), *row_of(point)))
+            self.rows.append((key(f"curves{record.key}", query), *row_of(point)))
         if query.tangents is None or point.fitted is None:
             return point
         by_tangents, offset = query.tangents, point.fitted.offset
@@ -344,7 +344,7 @@ class Evaluations:
                 raise traces[0]
             traces, by_tangents = traces_of(derivative_runs(record, query.shares, False)), False
         slopes = Slopes.of(traces, misfit, query.shares, offset, by_tangents)
-        rows.append(slopes_row(record, query, offset, slopes))
+        self.rows.append(slopes_row(record, query, offset, slopes))
         return replace(point, slopes=slopes)
 
     def slopes(self, query: Query, outcome: Outcome) -> Slopes:
@@ -357,6 +357,7 @@ class Evaluations:
             for (record, part), point, offset in zip(parts, outcome.points, outcome.offsets, strict=True)
         ]
         completed = self.completed(parts, points, strict=True)
+        self.write()
         return self.all_slopes([point.slopes for point in completed if point.slopes is not None])
 
     def count(self, query: Query, outcome: Outcome) -> None:
@@ -375,7 +376,7 @@ class Evaluations:
                 self.best = (cost, np.array(query.shares), outcome)
                 if self.file is not None and cost < self.least_stored[0]:
                     shares = [float(share) for share in query.shares]
-                    self.file.write_row("found", "best", {"point": [cost, shares, query.offsets]}, None)
+                    self.mark = [cost, shares, query.offsets]
 
     @property
     def least_stored(self) -> tuple[float, Query]:
@@ -389,6 +390,7 @@ class Evaluations:
         cost, query = self.least_stored
         if self.best is not None and cost < self.best[0]:
             self.count(query, self.joined(tuple(self.answers(self.parts(query)))))
+            self.write()
 
     def finish(self) -> None:
         """Report that nothing is left to run."""

@@ -217,9 +217,14 @@ class FitTask:
     @property
     def most_runs(self) -> int:
         """Number of runs with all restarts and long searches."""
+        return max(self.budget.first + self.budget.later(self.settings.restarts), self.runs)
+
+    @property
+    def budget(self) -> Budget:
+        """Runs with all restarts and long searches, with derivatives by differences."""
         counts = [len(task.parameters) for task in self.records]
-        budget = Budget.of(counts, self.settings.screened, self.settings.starts)
-        return max(budget.first + budget.later(self.settings.restarts), self.runs)
+        has_contacts = self.evaluated[0].curves.has_contacts
+        return Budget.of(counts, self.settings.screened, self.settings.starts, has_contacts)
 
     @property
     def simultaneous_runs(self) -> int:
@@ -273,11 +278,10 @@ class FitTask:
         point with them takes ``point_seconds``, because no other lanes run beside it, and a run without
         ``run_seconds``.
         """
-        counts = [len(task.parameters) for task in self.records]
-        budget = Budget.of(counts, self.settings.screened, self.settings.starts)
+        budget = self.budget
         points = budget.search_points(self.settings.restarts)
         return (
-            points * len(counts) * point_seconds
+            points * len(self.records) * point_seconds
             + max(self.most_runs - points * budget.slopes, 0) * run_seconds
         )
 

@@ -53,11 +53,13 @@ class Search:
 @dataclass(frozen=True)
 class OtherMinima:
     """Ends of searches that fit nearly as well as the best one: the lowest and highest value of each
-    parameter (SI), shape (parameters, 2), and which of them the searches do not agree on.
+    parameter (SI), shape (parameters, 2), and which of them the searches do not agree on. ``confirmed``: two
+    searches reached the best point, within the limits, or contacts do not make the sum of squares rough.
     """
 
     spans: Array
     disputed: Sequence[bool]
+    confirmed: bool = True
 
     def cover(self, places: Sequence[int], errors: Array, limits: Limits) -> tuple[Array, Limits]:
         """Return errors and limits of the parameters at some ``places`` that include those of the ends."""
@@ -81,6 +83,7 @@ def other_minima(
     best: tuple[float, Array],
     limits: Limits,
     correlation: Array,
+    is_rough: bool,
 ) -> OtherMinima:
     """Return the minima that fit nearly as well as the ``best`` point, its cost and its shares of the bounds.
 
@@ -99,13 +102,21 @@ def other_minima(
         if distance > SAME_POINT and not away <= high - low:
             disputed[k] = True
             disputed |= np.abs(correlation[k]) * away > 0.5 * (high - low)
-    return OtherMinima(np.stack([points.min(axis=0), points.max(axis=0)], axis=1), disputed.tolist())
+    width = np.ptp(np.array(limits), axis=1)
+    reached = sum(bool((np.abs(end - values) <= width).all()) for end in ends)
+    spans = np.stack([points.min(axis=0), points.max(axis=0)], axis=1)
+    return OtherMinima(spans, disputed.tolist(), reached > 1 or not is_rough or not search.ends)
 
 
 def dispute_words(
     parameters: Sequence[FitParameter], minima: OtherMinima, search: Search, cost: float
 ) -> Iterator[str]:
     """Yield a caution on parameters that the searches dispute."""
+    if not minima.confirmed:
+        yield (
+            "no two searches ended at this point to within its limits, and with contacts a better one may lie"
+            " beside it, so confidence is not known; search from more starts (--starts)"
+        )
     names = [
         parameter.name for parameter, disputed in zip(parameters, minima.disputed, strict=True) if disputed
     ]

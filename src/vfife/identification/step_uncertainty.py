@@ -37,6 +37,10 @@ UNSETTLED, INFLATED, UNEXPLAINED = 0.25, 1.1, 0.25
 # Factor of the variance where contacts make the sum of squares rough: of 28 limits of 95 % of a four-bar 24
 # contained the truth without it, and 27 with half widths 1.25 times as large.
 ROUGHNESS = 1.25**2
+ROUGH_WORDS = (
+    f"limits are {math.sqrt(ROUGHNESS):g} times as wide as those of least squares, because contacts make the"
+    " sum of squares rough"
+)
 
 
 @dataclass(frozen=True)
@@ -239,8 +243,8 @@ def concluded(
     jacobian = None if slopes is None else without_own(slopes.jacobian, parameters)
     work = records, shares, outcome
     sensitivity = None if jacobian is None else sensitivity_of(*work, jacobian, shared_shares)
-    inflation = 1.0 if sensitivity is None else sensitivity.inflation
-    inflation *= ROUGHNESS if records[0].curves.has_contacts else 1.0
+    is_rough = records[0].curves.has_contacts
+    inflation = (ROUGHNESS if is_rough else 1.0) * (1.0 if sensitivity is None else sensitivity.inflation)
     parts, unknowns = curves_of(records, outcome), len(parameters) + nuisances(records)
     rows = [record.misfit.count for record in records]
     confidence = confidence_of(parts, shared, shared_shares, jacobian, unknowns, level, inflation, rows)
@@ -259,9 +263,9 @@ def concluded(
     shared_limits = dict(zip(common, near_limits, strict=True))
     joint_limits = [shared_limits.get(k, pair) for k, pair in enumerate(joint_confidence.limits)]
     last, best = Search() if slopes is None else search, (outcome.cost, shares)
-    minima = other_minima(parameters, last, best, joint_limits, joint_confidence.correlation)
+    minima = other_minima(parameters, last, best, joint_limits, joint_confidence.correlation, is_rough)
     errors, limits = minima.cover(common, errors, limits)
-    certainty = [trusted and not disputed for disputed in minima.disputed]
+    certainty = [trusted and minima.confirmed and not disputed for disputed in minima.disputed]
     values = fit_values(shared, shared_shares, errors, limits, [certainty[k] for k in common])
     record_results = list(record_values(evaluations, outcome, joint_confidence, slopes, minima, certainty))
     curves = [
@@ -279,14 +283,14 @@ def concluded(
         curves, sorted(search.ends), evaluations.runs, len(evaluations.reasons),
         source, confidence.autocorrelation,
         level, time.monotonic() - evaluations.began, misfit.comparison,
-        notes_of(evaluations, outcome, search, minima, sensitivity, excess),
+        notes_of(evaluations, outcome, search, minima, sensitivity, excess, any(certainty)),
         record_results if len(record_results) > 1 or first.values else [],
     )  # fmt: skip
 
 
 def notes_of(
     evaluations: Evaluations, outcome: Outcome, search: Search, minima: OtherMinima,
-    sensitivity: CurveSensitivity | None, excess: str,
+    sensitivity: CurveSensitivity | None, excess: str, is_limited: bool,
 ) -> list[str]:  # fmt: skip
     """Return notes and cautions on a fit, the gravest first."""
     return [
@@ -294,6 +298,7 @@ def notes_of(
         *search.notes,
         *dispute_words(evaluations.parameters, minima, search, outcome.cost),
         *cautions(evaluations, outcome.unsettled, sensitivity),
+        *([ROUGH_WORDS] if is_limited and sensitivity and evaluations.records[0].curves.has_contacts else []),
         *omitted_words(evaluations.records),
         *evaluations.reasons[:3],
     ]

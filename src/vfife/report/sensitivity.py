@@ -7,8 +7,6 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ..measures.catalogue import unit_of
 from ..measures.values import NOT_ESTIMATED
 from ..numerics.outward import DOWN, UP, significant_range
@@ -350,8 +348,8 @@ def _ends(fit: Fit) -> str:
     parts = []
     for value in (*fit.values, *(value for record in fit.records for value in record.values)):
         if value.ends:
-            low, high = np.clip(value.ends, *value.bounds).tolist()  # nothing beyond the bounds was tried
-            parts.append(f"{value.name} fits nearly as well from {quantities(low, high, value.unit)}")
+            span = quantities(value.ends[0], value.ends[1], value.unit)
+            parts.append(f"{value.name} fits nearly as well from {span}")
     return f"Confidence is not known: {'; '.join(parts)}; values outside may fit, too." if parts else ""
 
 

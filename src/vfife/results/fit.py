@@ -70,8 +70,8 @@ class FitValue:
         """Leave no limits of an unknown confidence."""
         if not self.known:
             ends, nan = self.ends or (self.low, self.high), math.nan
-            finite = ends if all(map(math.isfinite, ends)) else ()
-            vars(self).update(ends=finite, error=nan, low=nan, high=nan)
+            tried = np.clip(ends, *self.bounds).tolist() if all(map(math.isfinite, ends)) else []
+            vars(self).update(ends=tuple(tried), error=nan, low=nan, high=nan)
 
     @property
     def numbers(self) -> list[tuple[str, float]]:
@@ -91,8 +91,7 @@ class FitValue:
         unit = "" if self.unit == "1" else f" {self.unit}"
         sure = "error not estimated" if self.known else "confidence not known"
         if self.ends:
-            low, high = np.clip(self.ends, *self.bounds).tolist()  # nothing beyond the bounds was tried
-            sure += f"; fits nearly as well from {significant_range(low, high, 5)}"
+            sure += f"; fits nearly as well from {significant_range(self.ends[0], self.ends[1], 5)}"
         if math.isfinite(self.error):
             sure = f"{100.0 * confidence:g} %: {significant_range(self.low, self.high, 5)}"
         return f"{self.name} = {self.value:.5g}{unit} ({sure})"
@@ -170,8 +169,7 @@ class FitRecordValues:
 
     def json(self) -> dict[str, Any]:
         """Return it as JSON has it."""
-        values = [value.json() for value in self.values]
-        return {**vars(self), "values": values}
+        return {**vars(self), "values": [value.json() for value in self.values]}
 
 
 @dataclass
@@ -397,11 +395,13 @@ class FitFile(Store):
 
     schema: ClassVar[Schema] = FIT
 
-    def add_points(self, points: Sequence[Evaluation]) -> None:
-        """Write points that were evaluated together, all or none."""
+    def add_points(self, points: Sequence[Evaluation], best: Sequence[Any] | None = None) -> None:
+        """Write points that were evaluated together, and cost, shares, offsets of a new best, all or none."""
         with self.transaction():
             for point in points:
                 self.insert("looks", *point)
+            if best is not None:
+                self.insert("found", "best", {"point": best}, None)
 
     def point(self, key: str) -> tuple[dict[str, Any], Array | None] | None:
         """Return an evaluated point; None if it is missing or damaged."""

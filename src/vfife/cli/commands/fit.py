@@ -12,6 +12,7 @@ from ...files.kinds import FileKindError, refuse_kind
 from ...identification.fit_plan import is_plan, load_plan
 from ...identification.fit_task import FitTask, plan_fit
 from ...identification.lawfit import fit_law
+from ...job.activity import ACTIVITY
 from ...modelfile import dump, loads
 from ...report.sensitivity import identification
 from ...results.fit import Fit, FitFile, load_fit
@@ -42,6 +43,7 @@ def fit(options: FitOptions) -> None:
         elif options.law is not None:
             result = fit_of_law(options, options.law)
         else:
+            ACTIVITY("reading the data, assembling the model and forecasting the fit")
             place, task = place_of(options), task_of(options)
             tell_cautions(task.mechanism)
             job = CommandJob("fit", place, options)
