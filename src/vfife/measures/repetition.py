@@ -121,7 +121,18 @@ def turns(record: Record) -> Turns | None:
     tolerance = SETTLED if settle is None else settle
     cycle = math.lcm(*cycle_of(record.assembly.mechanism).values())
     motion = classify(columns, comparison, tolerance, partial(points, record, grid), streak, cycle)
+    motion = _in_cycles(motion, cycle)
     return dataclasses.replace(motion, peaks_only=not grid.has_integral_turns)
+
+
+def _in_cycles(motion: Turns, cycle: int) -> Turns:
+    """Return turns without a period whose measures are means over whole cycles of drivers and gears: single
+    turns of a cycle have other loads, and mean powers of either sign. A run shorter than a cycle has none.
+    """
+    if motion.period is not None or motion.count < cycle:
+        return motion
+    cycles = max((motion.last - motion.first + 1) // cycle, 1)
+    return dataclasses.replace(motion, first=motion.last - cycles * cycle + 1)
 
 
 def part_of(record: Record, motion: Turns | None) -> str:
@@ -222,12 +233,9 @@ def classify(
         match = repeated_since(turns, comparison, tolerance, streak, (cycle,))
         if match is not None:
             return _periodic(turns, comparison, tolerance, match)
-        if motion.motion != "not repeating":
-            return motion
-        count, cycles = motion.count, max((motion.count - motion.first + 1) // cycle, 1)
-        if count < (streak + 1) * cycle:
-            return dataclasses.replace(motion, motion="unsettled", first=count)
-        return dataclasses.replace(motion, first=count - cycles * cycle + 1)
+        if motion.motion == "not repeating" and motion.count < (streak + 1) * cycle:
+            return dataclasses.replace(motion, motion="unsettled", first=motion.count)
+        return motion
     if points_of is None or motion.period == 1 or motion.motion in ("settling", "unsettled"):
         return motion
     count, first = motion.count, max(1, motion.count - TREND)
