@@ -29,7 +29,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.functions import cycle_of
+from ..model.functions import cycle_of, turns_of_cycles
+from ..model.mechanism import Mechanism
 from ..solvers.record import Record, columns_of
 from ..solvers.repeating import (
     FEWEST_LATE,
@@ -121,18 +122,18 @@ def turns(record: Record) -> Turns | None:
     tolerance = SETTLED if settle is None else settle
     cycle = math.lcm(*cycle_of(record.assembly.mechanism).values())
     motion = classify(columns, comparison, tolerance, partial(points, record, grid), streak, cycle)
-    motion = _in_cycles(motion, cycle)
+    motion = _in_cycles(motion, record.assembly.mechanism)
     return dataclasses.replace(motion, peaks_only=not grid.has_integral_turns)
 
 
-def _in_cycles(motion: Turns, cycle: int) -> Turns:
+def _in_cycles(motion: Turns, mechanism: Mechanism) -> Turns:
     """Return turns without a period whose measures are means over whole cycles of drivers and gears: single
     turns of a cycle have other loads, and mean powers of either sign. A run shorter than a cycle has none.
     """
-    if motion.period is not None or motion.count < cycle:
+    if motion.period is not None:
         return motion
-    cycles = max((motion.last - motion.first + 1) // cycle, 1)
-    return dataclasses.replace(motion, first=motion.last - cycles * cycle + 1)
+    latest = turns_of_cycles(mechanism, motion.last - motion.first + 1, motion.count)
+    return dataclasses.replace(motion, first=motion.last - latest + 1)
 
 
 def part_of(record: Record, motion: Turns | None) -> str:
