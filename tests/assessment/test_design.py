@@ -460,6 +460,19 @@ def test_partial_ranks_find_the_column_that_decides_and_cover_the_others() -> No
     assert constant[1] is None and constant[0].value == pytest.approx(1.0) and few == [None] * 3
 
 
+def test_measures_of_geared_machines_are_of_whole_cycles() -> None:
+    model = vfife.gallery.slider_crank_loose_pin()
+    model.point("M", -0.2, 0.0)
+    model.rigid_body("motor", mass=1.0, inertia=1e-3)
+    model.revolute("M", "ground.M", "motor.center")
+    model.gear("box", "motor", "crank", ratio=-1.0 / 3.0)
+    model.drivers.clear()
+    model.drive("motor", speed=100.0)
+    for turns, averaged in ((3, 1), (4, 3), (8, 3), (13, 6)):
+        part = module.DesignWork(model, None, {**BRIEF_OPTIONS, "turns": turns})
+        assert part.averaged == averaged, "the first turn has the fall of the journals"
+
+
 @pytest.mark.slow("the same answer")
 def test_the_nominal_machine_is_measured_as_the_machines_of_the_fits() -> None:
     from vfife.studies.engine.cases import run_cases

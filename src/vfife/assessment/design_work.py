@@ -16,6 +16,7 @@ from ..job.cost import LANES, LONG, Forecast, cores, run_cost
 from ..job.job import Interrupted, Job, PartJob, job_of
 from ..job.progress import span
 from ..measures.catalogue import counts_of, differentiable, is_coordinate
+from ..model.functions import turns_of_cycles
 from ..model.mechanism import Mechanism
 from ..options import Watch, with_options
 from ..results.derivatives import Effect, Sensitivity
@@ -173,7 +174,7 @@ class DesignWork:
         self.measure = self.of or FORCE.format(next(iter(self.clearances)))
         self.counts = counts_of(self.measure)
         self.turns = run_turns(self.mechanism, self.options["turns"], self.counts)
-        self.averaged = max(1, self.turns // 2)  # turns that measures are of: the later half
+        self.averaged = turns_of_cycles(self.mechanism, max(1, self.turns // 2), self.turns - 1)
         self.all_letters = {
             name: fit for name in self.clearances if (fit := nearest_fit(self.mechanism, name))
         }
@@ -491,8 +492,7 @@ class DesignWork:
     @property
     def end_of_life(self) -> float:
         """Clearance (m) that ends the simulation of wear."""
-        largest = max(surface.clearance for surface in surfaces_of(self.wearing))
-        return self.options["clearance"] or LIFE * largest
+        return self.options["clearance"] or LIFE * max(pair.clearance for pair in surfaces_of(self.wearing))
 
 
 def is_complete(answer: Any) -> bool:

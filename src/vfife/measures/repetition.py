@@ -29,7 +29,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.functions import cycle_of
+from ..model.functions import cycle_of, turns_of_cycles
+from ..model.mechanism import Mechanism
 from ..solvers.record import Record, columns_of
 from ..solvers.repeating import (
     FEWEST_LATE,
@@ -121,7 +122,18 @@ def turns(record: Record) -> Turns | None:
     tolerance = SETTLED if settle is None else settle
     cycle = math.lcm(*cycle_of(record.assembly.mechanism).values())
     motion = classify(columns, comparison, tolerance, partial(points, record, grid), streak, cycle)
+    motion = _in_cycles(motion, record.assembly.mechanism)
     return dataclasses.replace(motion, peaks_only=not grid.has_integral_turns)
+
+
+def _in_cycles(motion: Turns, mechanism: Mechanism) -> Turns:
+    """Return turns without a period whose measures are means over whole cycles of drivers and gears: single
+    turns of a cycle have other loads, and mean powers of either sign. A run shorter than a cycle has none.
+    """
+    if motion.period is not None:
+        return motion
+    latest = turns_of_cycles(mechanism, motion.last - motion.first + 1, motion.count)
+    return dataclasses.replace(motion, first=motion.last - latest + 1)
 
 
 def part_of(record: Record, motion: Turns | None) -> str:
@@ -222,12 +234,9 @@ def classify(
         match = repeated_since(turns, comparison, tolerance, streak, (cycle,))
         if match is not None:
             return _periodic(turns, comparison, tolerance, match)
-        if motion.motion != "not repeating":
-            return motion
-        count, cycles = motion.count, max((motion.count - motion.first + 1) // cycle, 1)
-        if count < (streak + 1) * cycle:
-            return dataclasses.replace(motion, motion="unsettled", first=count)
-        return dataclasses.replace(motion, first=count - cycles * cycle + 1)
+        if motion.motion == "not repeating" and motion.count < (streak + 1) * cycle:
+            return dataclasses.replace(motion, motion="unsettled", first=motion.count)
+        return motion
     if points_of is None or motion.period == 1 or motion.motion in ("settling", "unsettled"):
         return motion
     count, first = motion.count, max(1, motion.count - TREND)

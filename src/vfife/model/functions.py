@@ -117,6 +117,14 @@ def cycle_of(mechanism: Mechanism) -> dict[str, int]:
     return turns if math.lcm(*turns.values()) <= LONGEST_CYCLE else {}
 
 
+def turns_of_cycles(mechanism: Mechanism, latest: int, count: int) -> int:
+    """Return how many of the ``latest`` turns of ``count`` make whole cycles of drivers and gears, at least
+    one; ``latest`` if all turns are fewer.
+    """
+    cycle = math.lcm(*cycle_of(mechanism).values())
+    return max(latest // cycle, 1) * cycle if count >= cycle else latest
+
+
 def _ratio(value: float) -> Fraction:
     """Return a ratio of whole numbers, of which the lower one exceeds the longest cycle if there is none."""
     ratio = Fraction(value).limit_denominator(LONGEST_CYCLE)

@@ -96,7 +96,7 @@ def transient_cautions(result: RunData, verdict: str, of_laws: Iterable[str]) ->
         soft = soft_contact(record)
         yield f"{soft[0].upper()}{soft[1:]}" if soft else sentence.format(time=float(result.time[-1]))
     yield from rest_cautions(record)
-    yield from cycle_cautions(record)
+    yield from cycle_cautions(result)
     if choice.step > choice.stable:
         yield (
             f"The step of {choice.step:.4g} s is larger than the stable one, {choice.stable:.4g} s"
@@ -160,20 +160,29 @@ def rest_cautions(record: Record) -> Iterator[str]:
     yield f"Nothing moves in this run: {cause}. If something should move, {remedy}."
 
 
-def cycle_cautions(record: Record) -> Iterator[str]:
+def cycle_cautions(result: RunData) -> Iterator[str]:
     """Yield a sentence on bodies that turn slower than the driver whose turns are those of the run."""
-    mechanism = record.assembly.mechanism
+    mechanism, motion = result.record.assembly.mechanism, result.motion
     if turn_of(mechanism) is None:
         return
     turns = cycle_of(mechanism)
     cycle, slow = math.lcm(*turns.values()), [body for body, count in turns.items() if count > 1]
-    if slow:
+    if not slow:
+        return
+    fact = (
+        f"A turn is one of {crank_of(mechanism)}, the fastest driver: {and_words(slow)} repeat"
+        f"{'s' * (len(slow) == 1)} after {cycle} of them."
+    )
+    if motion is None or (motion.last - motion.first + 1) % cycle:
         yield (
-            f"A turn is one of {crank_of(mechanism)}, the fastest driver: {and_words(slow)} repeat"
-            f"{'s' * (len(slow) == 1)} after {cycle} of them. Mean powers and ends of strokes are those of"
-            f" the machine in {2 * cycle} turns or more, largest values in the highest of the single turns;"
-            " rms torque and energy fluctuation are those of single turns, not of the machine."
+            f"{fact} The values are not those of the whole machine, in mean powers not even by their sign:"
+            f" give at least --turns {2 * cycle}."
         )
+        return
+    yield (
+        f"{fact} Mean powers and ends of strokes are those of the machine, largest values in the highest of"
+        " the single turns; rms torque and energy fluctuation are those of single turns, not of the machine."
+    )
 
 
 def static_cautions(result: RunData) -> Iterator[str]:

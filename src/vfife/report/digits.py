@@ -22,6 +22,7 @@ NOT_DETERMINED = "not determined"  # in the place of a range that says nothing
 UNBOUNDED = 1e6
 SCATTER = 1e-4  # share of a measure by which turns have to differ to be shown
 CERTAIN = 0.02  # largest relative error of a measure that needs no warning
+OF_CYCLES = "settling", "unsettled"  # turns whose measures are means over cycles of gears, or a single one
 COUNTS = (".impacts", ".grazing", ".deep_landings")
 UNITS = {  # of the measures that a summary shows with their units, by the ends of their names
     "force.max": "N", "moment.max": "N m", "torque.max": "N m", "penetration.max": "m",
@@ -62,7 +63,7 @@ def uncertainty(summary: Json, name: str) -> float:
     # A summary of a former version has no turns
     scatter = float(bounds.get("highest", 0.0) - bounds.get("lowest", 0.0))
     turns = summary.get("turns") or {}
-    if (turns.get("period") or 1) > 1:
+    if (turns.get("period") or 1) > 1 or turns.get("motion") in OF_CYCLES:
         return numerical
     alike = turns.get("motion") != "not repeating" and not turns.get("scatters")
     return max(numerical, scatter) if alike or numerical <= 0.0 else numerical
@@ -74,7 +75,8 @@ def turns_text(summary: Json, name: str, unit: str, share: float = SCATTER) -> s
     "" for any other.
     """
     bounds, turns = (summary.get("ranges") or {}).get(name), summary.get("turns") or {}
-    differ = turns.get("motion") == "not repeating" or (turns.get("period") or 1) > 1 or turns.get("scatters")
+    differ = turns.get("motion", "periodic") != "periodic" or (turns.get("period") or 1) > 1
+    differ = differ or bool(turns.get("scatters"))
     if not differ or bounds is None or is_about_zero(summary, name):
         return ""
     lowest, highest = float(bounds["lowest"]), float(bounds["highest"])

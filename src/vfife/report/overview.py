@@ -280,7 +280,9 @@ def _certainty(summary: Json) -> str:
     sizes = errors(summary)
     inexact = [name for name, error in sizes.items() if error > CERTAIN]
     within = [error for error in sizes.values() if error <= CERTAIN]
-    means = "means of " * bool(period_sentence(summary))
+    turns = summary["turns"]
+    settled = not over_several_turns(turns) or (turns["motion"], turns["period"]) == ("periodic", 1)
+    means = "means of " * (not settled)
     change = f"change by at most {_share(max(within))} with the step" if within else ""
     sure = f"{means}forces and torques {change}" if within else ""
     shown = [_interval(summary, name) for name in inexact[:MOST_EXCEPTIONS]]
