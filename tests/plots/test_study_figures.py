@@ -225,10 +225,11 @@ def test_a_search_cautions_about_a_best_case_without_impacts(speed: float, count
     from vfife.report.searches import optimum
 
     name = "C.approach_speed.max"
-    request = {"wanted": {"turns": 2, "last": 1}}
+    request: dict[str, Any] = {"wanted": {"turns": 2, "last": 1}, "raw": {"method": "search"}}
     study = SimpleNamespace(
-        parameters=(), measures={name: "m/s"}, path="s.study", request=request, outcomes={}
-    )
+        parameters=(), measures={name: "m/s"}, path="s.study", request=request, outcomes={}, errors={},
+        sensitive=(0, 0), has_former_measures=False, done=(), repeats={},
+    )  # fmt: skip
     search = SimpleNamespace(aims=[name], minimised=[name], maximised=[])
     best = [SimpleNamespace(number=1, parameters={}, values={name: speed}, feasible=True)]
     answer: Any = SimpleNamespace(study=study, search=search, best=best, cases=best, refined=0, reason="")

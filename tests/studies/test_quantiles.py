@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from vfife.studies.spec.limits import allowed_failures, needed, quantile, share
+from vfife.studies.spec.limits import allowed_failures, mean, needed, quantile, share
 
 
 def at_most(k: int, n: int, p: float) -> float:
@@ -49,18 +49,37 @@ def test_limits_hold_the_quantile_as_often_as_they_say() -> None:
     assert 0.94 < np.mean(held) < 0.985
 
 
-def test_wilson_is_that_of_published_tables() -> None:
-    """Newcombe (1998), table I: 81 of 263, 15 of 148, 0 of 20, 1 of 29 at 95 %."""
+def test_shares_are_those_of_published_tables() -> None:
+    """Clopper and Pearson's limits in Newcombe (1998), table I: 81 of 263, 15 of 148, 0 of 20, 1 of 29."""
     for count, of, low, high in (
-        (81, 263, 0.2553, 0.3662),
-        (15, 148, 0.0624, 0.1605),
-        (0, 20, 0.0, 0.1611),
-        (1, 29, 0.0061, 0.1718),
+        (81, 263, 0.2527, 0.3676),
+        (15, 148, 0.0578, 0.1617),
+        (0, 20, 0.0, 0.1684),
+        (1, 29, 0.0009, 0.1776),
     ):
-        found = share(count, of)
-        assert (found.low, found.high) == pytest.approx((low, high), abs=6e-5)
+        limits = share(count, of)
+        assert (limits.low, limits.high) == pytest.approx((low, high), abs=6e-5)
     assert share(20, 20).high == 1.0
     assert math.isnan(share(0, 0).value)
+
+
+@pytest.mark.parametrize("n", [40, 300])
+def test_limits_hold_rare_shares_as_often_as_they_say(n: int) -> None:
+    """Of a share of 0.18/n, one such machine in n is drawn with 15 %: Wilson's lower limit is above the share
+    then.
+    """
+    for p in (0.18 / n, 1.0 / n, 5.0 / n, 0.5):
+        weights = [math.comb(n, k) * p**k * (1 - p) ** (n - k) for k in range(n + 1)]
+        limits = [share(k, n) for k in range(n + 1)]
+        held = math.fsum(weight for weight, at in zip(weights, limits, strict=True) if at.low <= p <= at.high)
+        assert held >= 0.95
+
+
+def test_limits_of_the_mean_of_four_are_those_of_student() -> None:
+    """t of three degrees of freedom is 3.182 at 95 % (tables), against 1.960 of a known deviation."""
+    limits = mean(np.array([1.0, 2.0, 3.0, 4.0]))
+    assert limits.high - limits.value == pytest.approx(3.1824 * math.sqrt(5.0 / 3.0) / 2.0, rel=1e-4)
+    assert limits.value - limits.low == pytest.approx(limits.high - limits.value)
 
 
 def test_failures_that_are_allowed() -> None:

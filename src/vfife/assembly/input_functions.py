@@ -32,6 +32,8 @@ BETWEEN_KINKS = 100  # steps between two kinks
 SHORTEST = 1e-6  # of the time span: smallest step that is searched
 HALVINGS = 3  # halvings in a row after which a function counts as resolved
 SPLITS = 10  # bisections: to a thousandth of the step
+CLOSE = 1e-6  # of a piece: distance from its end at which its value there is taken
+PHASES = 16  # places of a corner between two steps
 EPS = float(np.finfo(float).eps)
 
 
@@ -198,3 +200,25 @@ def _miss(input_function: InputFunction, times: Array, values: Array, kinks: Arr
         0.0, float(error.max(initial=0.0)) - noise, float(bends[:, 1].max(initial=0.0)) * (step * step) / 12.0
     )
     return worst / largest if largest > 0.0 else 0.0
+
+
+def peak_error(input_function: InputFunction, step: float) -> float:
+    """Return by how much steps (s) may miss a peak at a corner or a jump of a force, as a share of its
+    largest value. Half and quarter steps meet the same times again, so that repetitions with them do not
+    show it.
+    """
+    function, (first, last) = input_function.function, input_function.window
+    starts, width = np.array(function.starts), step * input_function.pace
+    inside = np.flatnonzero((starts[1:] > first) & (starts[1:] < last))
+    largest = float(np.abs(_times_of(input_function)[1][:, 0]).max(initial=0.0))
+    if input_function.motion or not len(inside) or not largest > 0.0:
+        return 0.0
+    places = starts[1:][inside]
+    left = places - CLOSE * np.diff(starts)[inside]
+    peak = np.maximum(*(np.abs(function.sampled(times)[:, 0]) for times in (left, places)))
+    largest_error = 0.0
+    for share in (np.arange(PHASES) + 0.5) / PHASES:  # of the last step before the corner
+        times = left - share * width, places + (1.0 - share) * width
+        met = np.maximum(*(np.abs(function.sampled(time)[:, 0]) for time in times))
+        largest_error = max(largest_error, float((peak - met).max()))
+    return largest_error / largest

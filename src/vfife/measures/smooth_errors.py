@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..assembly.input_functions import input_functions, peak_error
 from ..solvers.record import Estimate, Record
 from ..solvers.refinement import Refined
 from ..solvers.repeating import turn_grid
@@ -27,7 +28,8 @@ def estimate(record: Record, refined: Refined) -> Estimate:
     step (:func:`error_of`).
 
     Two runs may agree on a measure by chance. Therefore no relative error is taken to be smaller than FLOOR
-    times the largest relative error of the largest values.
+    times the largest relative error of the largest values. All steps may miss the peak of a prescribed force
+    with a corner, which is added to the errors of largest values.
     """
     full, half, quarter = (values_of(part, record) for part in (record, refined.half, refined.quarter))
     names = [name for name in full if not name.endswith(PLACES) and name in half and name in quarter]
@@ -36,7 +38,17 @@ def estimate(record: Record, refined: Refined) -> Estimate:
     size = sizes(run_sizes, record.assembly.choice.step, scales_of_run(record))
     floor = FLOOR * max((errors[name] / size[name] for name in errors if name in size), default=0.0)
     errors = {name: max(error, floor * size.get(name, abs(full[name]))) for name, error in errors.items()}
+    peak = peak_errors(record)
+    errors = {name: error + peak * size.get(name, 0.0) for name, error in errors.items()}
     return Estimate(refined.order, with_intervals(errors, record, window(record)), refined.converges)
+
+
+def peak_errors(record: Record) -> float:
+    """Return by how much the steps of a run may miss the peak of a force over time, as a share of it."""
+    mechanism, step = record.assembly.mechanism, record.assembly.choice.step
+    length = step * record.assembly.choice.steps
+    functions = input_functions(mechanism, length, 0.0, lambda: 1.0)
+    return max((peak_error(function, step) for function in functions), default=0.0)
 
 
 def error_of(value: float, half: float, quarter: float, motion: float | None) -> float:

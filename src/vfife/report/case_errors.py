@@ -12,6 +12,7 @@ from ..numerics.outward import UP
 from ..results.case_errors import NOT_ESTIMATED, turn_changes, uncertain_ranges
 from ..solvers.companions import SENSITIVE
 from ..store.studyfile import REPEATS
+from ..studies.spec.plan import SEARCH
 from .amounts import Digits, quantity
 from .case_cautions import case_numbers, caution_sentences
 from .document import Caution, Paragraph, Part, Table
@@ -222,6 +223,8 @@ def missing_error(study: Study) -> str:
     """Return why no numerical error of a case is estimated."""
     if not any(outcome["status"] == "complete" for outcome in study.outcomes.values()):
         return "no case is complete"
+    if study.request["raw"].get("method") == SEARCH:
+        return "a search repeats no case: vfife run with the values of one has its ranges and cautions"
     if REPEATS not in study.meta:
         return "no case was repeated with another step yet: the same study continues with them"
     return "no repetition with another step gave a value"

@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING
 
 from ..measures.catalogue import IMPACT_SPEED, NO_IMPACT
 from .amounts import limit_digits, limit_quantity, quantities, quantity
+from .case_errors import error_table, errors_data, study_cautions
 from .document import Caution, Document, Paragraph, Part, Table
 from .study import measure_words, no_blows, remarks_on_start
 
 if TYPE_CHECKING:
+    from ..results.study import Study
     from ..studies.study_work import Allocation, Optimum
 
 
@@ -37,7 +39,7 @@ def optimum(answer: Optimum) -> Document:
                 f" {no_blows(measure)}"
             )
         )
-    parts += [Paragraph(sentence, lines="whole") for sentence in remarks_on_start(study)]
+    parts += reservations(study)
     if answer.reason:
         parts.append(
             Caution(f"derivatives give no further improvement: {answer.reason}.", "note", aside=True)
@@ -55,9 +57,18 @@ def optimum(answer: Optimum) -> Document:
             {"case": case.number, "parameters": case.parameters, "measures": dict(case.values or {})}
             for case in front
         ],
+        "errors": errors_data(study),
         "remarks": remarks_on_start(study),
     }
     return Document(parts, data=data)
+
+
+def reservations(study: Study) -> list[Part]:
+    """Return what the values of a search leave open: what they are counted over, their numerical errors, and
+    turns that differ.
+    """
+    remarks: list[Part] = [Paragraph(text, lines="whole") for text in remarks_on_start(study)]
+    return [*remarks, error_table(study), *study_cautions(study)]
 
 
 def allocation(answer: Allocation) -> Document:
@@ -76,9 +87,10 @@ def allocation(answer: Allocation) -> Document:
         "failures": answer.failures,
         "machines": answer.machines,
         "rejected": [{"fits": fits, "cost": cost} for fits, cost in answer.rejected],
+        "errors": errors_data(answer.study),
         "remarks": remarks_on_start(answer.study),
     }
-    remarks: list[Part] = [Paragraph(text, lines="whole") for text in remarks_on_start(answer.study)]
+    remarks = reservations(answer.study)
     if choice is None or estimate is None:
         return Document(remarks, data=data)
     rows = []

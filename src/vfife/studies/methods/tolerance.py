@@ -71,7 +71,7 @@ def tolerance(
     share p = k / n of the ``machines`` beyond the limit, one without the measure among them. Each estimate
     has ``value``, ``low`` and ``high``: of a quantile these are values of the sample of such ranks that the
     binomial number of draws below it leaves α/2 on each side (David, Nagaraja: Order Statistics, 7.1), of a
-    share those of Wilson (1927), of the mean (``average``) those of the central limit theorem; infinite where
+    share those of Clopper and Pearson (1934), of the mean (``average``) those of Student's t; infinite where
     the sample is too small. Where the numerical error of cases is estimated (``numerical``), limits hold it,
     too: those of a quantile are wider by :meth:`~vfife.results.case_errors.ErrorEstimate.at_quantile`, those
     of the mean by the root mean square of the error, and a machine within that of its limit counts as sound

@@ -57,37 +57,34 @@ def quantile(values: Array, share: float, confidence: float = CONFIDENCE) -> Est
 def share(count: int, sample_size: int, confidence: float = CONFIDENCE) -> Estimate:
     """Estimate the share of all machines that have a property, from a ``count`` in a sample.
 
-    The limits are Wilson's (1927): the shares p for which the count is not further than z standard deviations
-    √(p (1 - p) n) from p n.
+    The limits are those of Clopper and Pearson (1934): the shares p with P(B ≥ count) = α/2 and
+    P(B ≤ count) = α/2 for B binomial of n and p. They hold any share with at least the confidence 1 - α.
+    Wilson's (1927) hold a share of 0.18/n with 83 % only, because one such machine in n is above it.
     """
-    from scipy.special import ndtri
+    from scipy.special import betaincinv
 
     if not sample_size:
         return Estimate(math.nan, 0.0, 1.0)
-    z = float(ndtri(0.5 * (1.0 + confidence)))
-    z2 = z * z
-    p = count / sample_size
-    middle, half = (
-        p + 0.5 * z2 / sample_size,
-        math.sqrt(z2 / sample_size * (p * (1.0 - p) + 0.25 * z2 / sample_size)),
-    )
-    low, high = ((middle + side * half) / (1.0 + z2 / sample_size) for side in (-1.0, 1.0))
-    return Estimate(p, max(low, 0.0) if count else 0.0, min(high, 1.0) if count < sample_size else 1.0)
+    half, rest = 0.5 * (1.0 - confidence), sample_size - count
+    low = float(betaincinv(count, rest + 1, half)) if count else 0.0
+    high = float(betaincinv(count + 1, rest, 1.0 - half)) if rest else 1.0
+    return Estimate(count / sample_size, low, high)
 
 
 def mean(values: Array, confidence: float = CONFIDENCE) -> Estimate:
     """Estimate the mean of all machines from the finite ``values`` of a sample.
 
-    The limits are z standard errors from the mean of the sample, by the central limit theorem: of skewed
-    measures and few machines they are too narrow. Infinite for fewer than two values.
+    The limits are standard errors times the quantile of Student's t for n - 1 degrees of freedom, exact for
+    normal values: of skewed measures and few machines they are too narrow. Infinite for fewer than two
+    values.
     """
-    from scipy.special import ndtri
+    from scipy.special import stdtrit
 
     n = len(values)
     if n < 2:
         return Estimate(float(values[0]) if n else math.nan, -math.inf, math.inf)
     middle = float(np.mean(values))
-    half = float(ndtri(0.5 * (1.0 + confidence)) * np.std(values, ddof=1)) / math.sqrt(n)
+    half = float(stdtrit(n - 1, 0.5 * (1.0 + confidence)) * np.std(values, ddof=1)) / math.sqrt(n)
     return Estimate(middle, middle - half, middle + half)
 
 
