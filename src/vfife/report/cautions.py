@@ -11,6 +11,7 @@ import numpy as np
 from ..assembly.timestep import MANY_OUTPUTS
 from ..laws.materials import hardness_of
 from ..measures.contacts import CONFORMAL, line_pressure
+from ..measures.efforts import excess_speeds
 from ..measures.energy import open_share, own_floor
 from ..measures.landings import lasting_landings
 from ..measures.motion import at_rest, times
@@ -25,6 +26,7 @@ from ..model.joints import Contact
 from ..model.surfaces import cautions, law_facts, remarks, surfaces
 from ..model.validation.plausibility import clearances_at_rest, suspect_surfaces
 from ..solvers.status import Status
+from ..units import in_rpm
 from .damping_cautions import (
     certain_shocks,
     comparison,
@@ -97,6 +99,7 @@ def transient_cautions(result: RunData, verdict: str, of_laws: Iterable[str]) ->
         yield f"{soft[0].upper()}{soft[1:]}" if soft else sentence.format(time=float(result.time[-1]))
     yield from rest_cautions(record)
     yield from cycle_cautions(record)
+    yield from curve_cautions(record)
     if choice.step > choice.stable:
         yield (
             f"The step of {choice.step:.4g} s is larger than the stable one, {choice.stable:.4g} s"
@@ -173,6 +176,18 @@ def cycle_cautions(record: Record) -> Iterator[str]:
             f"{'s' * (len(slow) == 1)} after {cycle} of them. Mean powers and ends of strokes are those of"
             f" the machine in {2 * cycle} turns or more, largest values in the highest of the single turns;"
             " rms torque and energy fluctuation are those of single turns, not of the machine."
+        )
+
+
+def curve_cautions(record: Record) -> Iterator[str]:
+    """Yield a sentence on each driver whose speed leaves its curve."""
+    for name, speed, end, value in excess_speeds(record):
+        reached = float(f"{30.0 * speed / math.pi:.4g}")
+        yield (
+            f"Driver {name} reaches about {reached:,g} rpm; its curve ends at {in_rpm(end)} and keeps"
+            f" {value:.4g} N m beyond. Let speeds go on to there: a motor may brake. Is the speed unexpected,"
+            " look for a load that drives the machine (force and force_back exchanged, a wrong sign) or is"
+            " missing."
         )
 
 

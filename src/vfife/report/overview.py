@@ -41,6 +41,7 @@ from .run import (
     actuator_facts,
     document,
     effort_facts,
+    length_note,
     reversed_power,
     torque_text,
     wear_facts,
@@ -348,8 +349,9 @@ def joint_table(summary: Json) -> Table:
     means = [
         f"{name}.force.max" for name, row in zip(shown, rows, strict=True) if row[3] and " to " in row[2]
     ]
+    lengths = length_note(summary, [name for name, row in zip(shown, rows, strict=True) if row[8]])
     note = note_on_means(summary, means)
-    return noted(Table(headings, table, numbers=range(1, len(headings)), names=(0,)), note)
+    return noted(Table(headings, table, numbers=range(1, len(headings)), names=(0,)), note, lengths)
 
 
 def _margin(summary: Json, name: str) -> float:
