@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from ..results.run_data import RunData
     from ..solvers.record import Record
 
+CORNERS = " A block touches its guide with its corners: a larger corner_radius lowers both there."
 PIN = 0.1  # of the journal's radius: a pin that sinks in deeper has lost its shape
 SOFTER = (
     "a limit load may have been passed, or the structure became softer, which load factors so far apart do"
@@ -359,10 +360,12 @@ def out_of_range(result: RunData) -> Iterator[str]:
     if texts := excesses(result, extremes):
         part = result.measures.part
         aside = "" if part == "whole run" else f" (tables: {part})"
+        joints = result.record.assembly.mechanism.contacts.values()
+        has_corners = any(hasattr(joint, "corner_radius") for joint in joints)
         yield (
             f"Beyond what joints are built for, in the whole run{aside}:"
             f" {'; '.join(texts)}. The forces are still those of the laws; check loads, sizes, materials"
-            " and stiffness."
+            f" and stiffness.{CORNERS * has_corners}"
         )
 
 
