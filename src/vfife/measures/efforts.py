@@ -75,7 +75,7 @@ def efforts(record: Record) -> dict[str, Effort]:
     elastic, and none of a run with fewer than three outputs.
     """
     mechanism, bodies = record.assembly.mechanism, record.assembly.bodies
-    if record.static or len(record.steps) < 3 or not all(record.keeps(block) for block in BLOCKS):
+    if record.static or len(record.steps) < 3 or not all(map(record.keeps, BLOCKS)):
         return {}
     figures, span = {}, None
     for action in actions(mechanism):
@@ -99,7 +99,7 @@ class Excess(NamedTuple):
 def excess_speeds(record: Record) -> Iterator[Excess]:
     """Yield by how much the outputs of a run leave the curves of drivers over speed, of rigid bodies."""
     mechanism, bodies = record.assembly.mechanism, record.assembly.bodies
-    if record.static or not all(record.keeps(block) for block in BLOCKS):
+    if not all(map(record.keeps, BLOCKS)):
         return
     for action in actions(mechanism):
         kind, name = action.owner

@@ -183,11 +183,10 @@ def cycle_cautions(record: Record) -> Iterator[str]:
 def curve_cautions(record: Record) -> Iterator[str]:
     """Yield a sentence on each driver whose speed leaves its curve."""
     for name, speed, end, value in excess_speeds(record):
-        reached = float(f"{30.0 * speed / math.pi:.4g}")
         yield (
-            f"Driver {name} reaches about {reached:,g} rpm; its curve ends at {in_rpm(end)} and keeps"
-            f" {value:.4g} N m beyond. Let speeds go on to there: a motor may brake. Is the speed unexpected,"
-            " look for a load that drives the machine (force and force_back exchanged, a wrong sign) or is"
+            f"Driver {name} reaches about {float(f'{30.0 * speed / math.pi:.4g}'):,g} rpm; its curve ends"
+            f" at {in_rpm(end)} and keeps {value:.4g} N m beyond. Let speeds go on to there: a motor may brake."
+            " Is the speed unexpected, look for a load that drives the machine (force and force_back exchanged, a wrong sign) or is"
             " missing."
         )
 
@@ -360,8 +359,8 @@ def out_of_range(result: RunData) -> Iterator[str]:
     if texts := excesses(result, extremes):
         part = result.measures.part
         aside = "" if part == "whole run" else f" (tables: {part})"
-        joints = result.record.assembly.mechanism.contacts.values()
-        has_corners = any(hasattr(joint, "corner_radius") for joint in joints)
+        contacts = result.record.assembly.mechanism.contacts.values()
+        has_corners = any(hasattr(joint, "corner_radius") for joint in contacts)
         yield (
             f"Beyond what joints are built for, in the whole run{aside}:"
             f" {'; '.join(texts)}. The forces are still those of the laws; check loads, sizes, materials"

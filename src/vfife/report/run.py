@@ -89,10 +89,11 @@ def length_note(summary: Json, joints: Iterable[str]) -> str:
     """Return a sentence on the ``joints`` whose pressure is on a default length that is unlike their
     size; "" for none.
     """
-    lengths = {name: summary["joints"][name].get("default_length") for name in joints}
-    names = [name for name, length in lengths.items() if length]
-    size = f"{prefixed(lengths[names[0]], 'm')}, the length of joints without axial_length" if names else ""
-    return f"Pressure of {', '.join(names)}: on {size}." if names else ""
+    names = [name for name in joints if "default_length" in summary["joints"][name]]
+    if not names:
+        return ""
+    length = prefixed(summary["joints"][names[0]]["default_length"], "m")
+    return f"Pressure of {', '.join(names)}: on {length}, the length of joints without axial_length."
 
 
 # ------------------------------------------------------------------------------------------------------ facts

@@ -257,10 +257,9 @@ def side_by_side(summaries: Mapping[str, Json], inputs: Sequence[tuple[str, list
             else f"{shown_by}Figures of these runs in one: vfife plot {' '.join(names)}"
         )
     )
-    data = {"runs": {name: _data(summary) for name, summary in summaries.items()}}
-    return Document(
-        parts, data={**data, "inputs": [{"input": name, "values": values} for name, values in inputs]}
-    )
+    runs = {name: _data(summary) for name, summary in summaries.items()}
+    entries = [{"input": name, "values": row} for name, row in inputs]
+    return Document(parts, data={"runs": runs, "inputs": entries})
 
 
 Text = Callable[[Json, str], str]  # of a measure of a run, by its name
