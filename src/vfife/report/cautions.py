@@ -185,8 +185,9 @@ def curve_cautions(record: Record) -> Iterator[str]:
     for name, speed, end, value in excess_speeds(record):
         yield (
             f"Driver {name} reaches about {float(f'{30.0 * speed / math.pi:.4g}'):,g} rpm; its curve ends"
-            f" at {in_rpm(end)} and keeps {value:.4g} N m beyond. Let speeds go on to there: a motor may brake."
-            " Is the speed unexpected, look for a load that drives the machine (force and force_back exchanged, a wrong sign) or is"
+            f" at {in_rpm(end)} and keeps {value:.4g} N m beyond. Let speeds go on to there: a motor may"
+            " brake. Is the speed unexpected, look for a load that drives the machine (force and force_back"
+            " exchanged, a wrong sign) or is"
             " missing."
         )
 
