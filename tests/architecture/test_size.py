@@ -14,10 +14,10 @@ from architecture.size import Size, size_of, sizes, tokens
 
 LIMITS = Size(
     files=511,
-    code=74_800,
+    code=74_900,
     tokens=757_000,
-    import_lines=7_280,
-    inner_imports=103,
+    import_lines=7_290,
+    inner_imports=104,
     many_arguments=10,
     tuples=28,
 )

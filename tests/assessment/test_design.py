@@ -20,7 +20,9 @@ from vfife.job.cost import Forecast
 from vfife.job.job import Interrupted, Job, PartJob
 from vfife.modelfile import loads
 from vfife.report.amounts import prefixed
-from vfife.report.design import document, life_range, life_sentence, row, turns_words
+from vfife.report.cautions import law_cautions
+from vfife.report.design import document, life_range, life_sentence, row, turns_words, value_cautions
+from vfife.solvers.arguments import Arguments
 from vfife.solvers.status import Progress
 from vfife.studies import allocate
 from vfife.studies.methods.allocation import machine_counts, most_machines
@@ -822,3 +824,32 @@ def test_a_design_takes_a_second_turn_for_contacts_only() -> None:
     assert work(model, "pin.approach_speed.max").turns == work(model, "pin.impacts").turns == 2
     assert work(model, "pin.force.max").turns == work(model, "pin.landing_depth.max").turns == 1
     assert work(model, "pin.approach_speed.max", turns=5).turns == 5
+
+
+def test_a_measure_of_corners_is_named_for_each() -> None:
+    with pytest.raises(
+        ModelError, match=r"each corner: cylinder\.1\.approach_speed\.max, cylinder\.2\..*4\."
+    ):
+        vfife.design(vfife.gallery.compressor(), "cylinder.approach_speed.max", turns=2)
+
+
+def test_a_run_of_the_model_shows_whether_the_contact_law_decides_a_force() -> None:
+    """Knocks make the largest force of the loose pin. Knocks themselves have the facts of their laws."""
+    prepared = module.prepare(loose_pin(), Arguments("design").run(turns=2))
+    text = sample.law_caution(prepared, "pin.force.max")
+    assert text in law_cautions(vfife.simulate(loose_pin(), turns=2)).texts
+    assert sample.law_caution(prepared, "pin.approach_speed.max") is None
+    prepared = module.prepare(vfife.gallery.compressor(), Arguments("design").run(turns=2))
+    assert sample.law_caution(prepared, "small-end.force.max") == ""
+
+
+@pytest.mark.slow("the same answer")
+def test_the_page_has_what_that_run_shows() -> None:
+    def texts(caution: str | None) -> list[str]:
+        return list(value_cautions(dataclasses.replace(answer(), law_caution=caution)))
+
+    assert answer().law_caution and f"In a run of the model: {answer().law_caution}" in texts(
+        answer().law_caution
+    )
+    assert any("no caution says" in text for text in texts(""))
+    assert not any("In a run of the model" in text for text in texts(None))

@@ -1,6 +1,7 @@
 """``vfife info NEW WORN``: the forces of two runs in one table."""
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -34,6 +35,12 @@ def test_two_runs_share_a_table(command: Callable) -> None:
     change = 100.0 * (new["value"] / old["value"] - 1.0)
     assert float(row[-2].replace(",", "")) == pytest.approx(change, rel=1e-2)
     assert "vfife plot new fast" in done.stdout
+    assert re.search(
+        r"Inputs that differ\s+input +new +fast\s+─+\s+crank\.speed +\S+ rpm +600 rpm\s", done.stdout
+    )
+    changes = json.loads(command("info", "new", "fast", "--json").stdout)["inputs"]
+    assert [entry["input"] for entry in changes] == ["crank.speed"] and changes[0]["values"][1] == "600 rpm"
+    assert "have the same inputs" in command("info", "new", "new").stdout
     three = command("info", "new", "fast", "new").stdout.splitlines()
     heads = next(line.split() for line in three if line.split()[:2] == ["joint", "new"])
     assert heads in (["joint", "new", "fast", "change"], ["joint", "new", "fast", "change", "new", "change"])

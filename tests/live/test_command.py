@@ -22,6 +22,12 @@ def test_a_model_becomes_a_page(tmp_path):
     assert "joint.C.clearance" in done.output
     given = scripts_of(page.read_text("utf-8"))
     assert [slide["name"] for slide in given["slides"]] == ["joint.C.clearance"]
+    page.write_text("mine", "utf-8")
+    done = told(model, "-o", page, "--no-sliders")
+    assert done.exit_code == 2 and "add --force to replace it" in " ".join(done.stderr.split())
+    assert page.read_text("utf-8") == "mine"
+    done = told(model, "-o", page, "--no-sliders", "--force")
+    assert done.exit_code == 0 and page.read_text("utf-8") != "mine", done.output
 
 
 def test_a_run_becomes_a_page_with_its_step(tmp_path):

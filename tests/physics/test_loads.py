@@ -217,6 +217,31 @@ def test_a_leap_where_the_way_turns_is_an_event_and_told():
     assert not [note for note in smooth if "jumps where" in note]
 
 
+@pytest.mark.parametrize(
+    ("out", "back", "reverse", "drives"),
+    [
+        ((5.0, 0.0), (0.0, 0.0), False, True),  # a press whose downstroke is the way back, exchanged
+        ((0.0, 0.0), (5.0, 0.0), False, False),
+        ((0.0, 0.0), (5.0, 0.0), True, True),
+        ((1.0, 1.0), (-1.0, -1.0), False, True),  # friction of the wrong sign
+        ((-1.0, -1.0), (1.0, 1.0), False, False),
+        ((2.0, 1.0), (1.0, 2.0), False, False),  # not everywhere along the motion: nothing is claimed
+        ((2.0, 1.0), (2.0, 1.0), False, False),
+    ],
+)
+def test_a_force_whose_two_ways_act_along_the_motion_drives_the_machine(out, back, reverse, drives):
+    load = GuideForce(
+        name="work", slider="guide", travels=(0.0, 0.1), force=out, force_back=back, reverse=reverse
+    )
+    texts = [text for text in load.cautions() if "drives the machine" in text]
+    assert bool(texts) == drives
+    assert all("exchange force and force_back" in text for text in texts)
+    gas = GuideForce(
+        name="gas", slider="guide", bore=0.1, travels=(0.0, 0.1), pressure=out, pressure_back=back
+    )
+    assert not [text for text in gas.cautions() if "drives the machine" in text]  # an engine may
+
+
 def test_the_rate_of_a_travel_is_its_derivative():
     """Of two bodies that move and turn freely, pins off their centres and off the guide."""
     rng, step = np.random.default_rng(7), 1e-5

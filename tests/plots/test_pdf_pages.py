@@ -134,3 +134,20 @@ def test_the_first_figure_leaves_room_for_the_first_table() -> None:
     whole = parts.Section("Conclusion", [parts.Figure("machine", str), *texts])
     pdf._section(paper, whole, figures, True)
     assert paper.count == 1 and "joint 13" in placed(paper)
+
+
+@pytest.mark.parametrize("kind", ["file", "text", "table"])
+def test_no_page_has_a_line_by_itself(kind: str) -> None:
+    """A part that begins anywhere near the end of a page leaves four lines or more for the next one."""
+    counts = []
+    for begin in range(930, 1090, 5):
+        paper = pdf.Paper(None, "")
+        paper.at = 0.01 * begin
+        if kind == "file":
+            paper.lines("line\n" * 9)
+        elif kind == "text":
+            paper.text("word " * 150)
+        else:
+            paper.rows([["cell"]] * 9, ())
+        counts += [sum(text.get_text() != " · 2" for text in paper.page.texts)] * (paper.count > 1)
+    assert len(counts) > 5 and min(counts) >= 4

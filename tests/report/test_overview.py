@@ -445,3 +445,31 @@ def test_a_run_without_joint_forces_has_an_answer(gravity: float) -> None:
         assert answer.summary["trust"]["measure"] == ""
         assert "Reliable numerically." in str(answer) and "Reliable numerically." in answer._repr_html_()
         assert not answer.summary["warnings"]
+
+
+def test_a_pressure_on_the_default_length_names_it() -> None:
+    """The piston of the compressor has its length; without it the pressure is that on 20 mm."""
+    model = gallery.compressor()
+    texts = []
+    for length in (0.065, 0.02):
+        cylinder = dataclasses.replace(model.joints["cylinder"], axial_length=length)
+        machine = dataclasses.replace(model, joints={**model.joints, "cylinder": cylinder})
+        texts.append(
+            joint_table(vfife.simulate(machine, turns=1, companions=0, reference=False).summary).note
+        )
+    assert "without axial_length" not in texts[0]
+    assert "Pressure of cylinder: on 20 mm, the length of joints without axial_length." in texts[1]
+
+
+@pytest.mark.parametrize("radius", [1e-5, 1e-3])
+def test_an_overloaded_guide_names_its_corners(radius: float) -> None:
+    """Corners of 10 µm are pressed in by more than a tenth of their radius."""
+    model = gallery.slider_crank_loose_guide()
+    (name, guide), *pins = ((name, joint) for name, joint in model.contacts.items())
+    assert not pins
+    sharp = dataclasses.replace(
+        model, joints={**model.joints, name: dataclasses.replace(guide, corner_radius=radius)}
+    )
+    result = vfife.simulate(sharp, turns=0.2, companions=0, reference=False)
+    (text,) = [text for text in result.summary["warnings"] if text.startswith("Beyond")] or [""]
+    assert ("a larger corner_radius lowers both" in text) == (radius < 1e-4)

@@ -60,3 +60,14 @@ def test_a_crank_that_runs_up_is_headed_by_the_turns_that_it_makes() -> None:
         app, ["check", str(ROOT / "examples/slider_crank.toml"), "--duration", "0.6", *change]
     )
     assert "= 6 turns at full speed; the run-up leaves 5; an output" in " ".join(done.stdout.split())
+
+
+@pytest.mark.parametrize(("start", "words"), [("0 rad/s", ""), ("-60 rad/s", ""), ("60 rad/s", "573 rpm")])
+def test_a_motor_faster_than_its_curve_has_a_caution(start: str, words: str) -> None:
+    """Beyond the last place the torque is zero: a wheel that begins at 60 rad/s keeps its speed."""
+    text = WHEEL.replace('mass = "5 kg"', f'mass = "5 kg"\nvelocity = [0, 0, "{start}"]')
+    texts = vfife.simulate(loads(text)).summary["warnings"]
+    beyond = [text for text in texts if "its curve ends" in text]
+    if start.startswith("-"):
+        words = "-573 rpm; its curve ends at 0 rpm and keeps 2 N m beyond"
+    assert len(beyond) == bool(words) and words in "".join(beyond)

@@ -113,6 +113,8 @@ class Design(NotebookDocument):
     these joint by joint. ``corners``: machines whose clearances are limits of the chosen fits;
     ``around``: machines near that with the largest value; ``inside``: machines evenly distributed within
     the limits, beside those of the ``sample``.
+    ``law_caution``: the caution of a run of the model where the contact law decides the measure; "" where
+    that run has none, None without this run.
     ``growths``: effects of grown clearances by path. ``end_clearance`` (m) ends a life; None: twice the own
     one. ``joints``: the findings for each joint.
     """
@@ -140,6 +142,7 @@ class Design(NotebookDocument):
     ideal: float | None = None
     around: MachineSample | None = None
     inside: MachineSample | None = None
+    law_caution: str | None = None
 
     @property
     def name(self) -> str:  # type: ignore[override]

@@ -74,6 +74,7 @@ from .sample import (
     growth_effects,
     ideal_value,
     joined,
+    law_caution,
     near_machines,
     run_machines,
     sampled_clearances,
@@ -162,6 +163,7 @@ class DesignWork:
     around: MachineSample | None = None
     inside: MachineSample | None = None
     search: str = ALL_CHOICES
+    law_caution: str | None = None
     growths: Mapping[str, Effect] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -302,6 +304,7 @@ class DesignWork:
             job.begin(total_forecast(forecasts, self.remedy(forecasts), ranking))
             if not brief:
                 self.run_nominal()
+            self.law_caution = law_caution(self.prepared, self.measure)
         except KeyboardInterrupt:
             complete = False
         self.run_parts(job, forecasts, complete)
@@ -313,15 +316,11 @@ class DesignWork:
             self.mechanism, self.measure, self.limit, self.options["limit"] is None,
             self.options["share"], self.letters, self.options["clearance"], self.answers.get("sensitivity"),
             self.answers.get("fits"), self.answers.get("life"), self.missing,
-            not any(reason == INTERRUPTED for reason in self.missing.values()) and self.complete_life,
+            not any(reason == INTERRUPTED for reason in self.missing.values())
+            and is_complete(self.answers.get("life")),
             self.nominal, self.nominal_range, self.turns, self.averaged, self.sample, self.search,
-            self.corners, self.growths, self.ideal, self.around, self.inside,
+            self.corners, self.growths, self.ideal, self.around, self.inside, self.law_caution,
         )  # fmt: skip
-
-    @property
-    def complete_life(self) -> bool:
-        """Whether the wear simulation, if there is one, ran to its end."""
-        return is_complete(self.answers.get("life"))
 
     def run_parts(self, job: Job, forecasts: Mapping[str, Forecast], complete: bool) -> None:
         """Compute the parts one after another, none after an interruption (not ``complete``)."""

@@ -21,7 +21,10 @@ from ..job.job import Job
 from ..job.progress import span
 from ..measures.catalogue import is_coordinate
 from ..model.mechanism import Mechanism
+from ..report.cautions import law_cautions
 from ..results.derivatives import Effect
+from ..simulation.simulate import Prepared, run_prepared
+from ..solvers.status import Status
 from ..studies.engine.cases import Outcome, run_cases
 from ..studies.engine.step_trials import repeated_step
 from ..studies.spec.distributions import places
@@ -46,6 +49,7 @@ MOST_CORNER_JOINTS = 3  # all combinations of limits of more joints are more tha
 # Of so many independent machines the largest is exceeded by at most 5 % of all, with 95 % confidence.
 EVEN_MACHINES, EVEN_SEED = 59, 2
 FIT_MACHINES = EVEN_MACHINES + ROUNDS * AROUND  # within the limits of the fits, beside their corners
+LOADS = (".force.max", ".torque.max")  # endings of measures that cautions on the contact law name
 PARTS = {"sensitivity": "sensitivities", "ranks": "ranks", "fits": "fits", "life": "wear"}
 Array = NDArray[np.float64]
 
@@ -154,6 +158,20 @@ def ideal_value(mechanism: Mechanism, spec: CaseSpec) -> float | None:
     except VfifeError:
         return None
     return outcomes[0].values.get(spec.measures[0])
+
+
+def law_caution(prepared: Prepared, measure: str) -> str | None:
+    """Return the caution of a run of the model on what the contact law decides of a force or torque; "" where
+    it has none, None for another measure. Raises KeyboardInterrupt for a run that was interrupted.
+    """
+    if not measure.endswith(LOADS):
+        return None
+    result = run_prepared(prepared)
+    if result.record.status == Status.INTERRUPTED:
+        raise KeyboardInterrupt
+    cautions, joint = law_cautions(result), measure.partition(".")[0]
+    texts = cautions.joints.get(joint), cautions.shocks.get(joint), cautions.loads.get(measure)
+    return next(filter(None, texts), "")
 
 
 def run_machines(

@@ -17,6 +17,7 @@ A table that has two places between two outputs may rise and fall there: then er
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import NamedTuple, TypedDict
 
 import numpy as np
@@ -30,6 +31,7 @@ from .energy import driver_work
 from .motion import point_motion, rotation, times
 
 Array = NDArray[np.float64]
+CURVE_MARGIN = 0.01  # of the length of a curve over speed, by which a motor may leave it without a caution
 BLOCKS = tuple(f"particle_{name}" for name in ("x", "y", "theta", "u", "v", "w", "ax", "ay", "aw"))
 
 
@@ -73,7 +75,7 @@ def efforts(record: Record) -> dict[str, Effort]:
     elastic, and none of a run with fewer than three outputs.
     """
     mechanism, bodies = record.assembly.mechanism, record.assembly.bodies
-    if record.static or len(record.steps) < 3 or not all(record.keeps(block) for block in BLOCKS):
+    if record.static or len(record.steps) < 3 or not all(map(record.keeps, BLOCKS)):
         return {}
     figures, span = {}, None
     for action in actions(mechanism):
@@ -83,6 +85,32 @@ def efforts(record: Record) -> dict[str, Effort]:
             span = working_span(record) if span is None else span
             figures[name] = _figures(record, action, mechanism.drivers[name], span)
     return figures
+
+
+class Excess(NamedTuple):
+    """Speed (rad/s) of a ``driver`` beyond the ``end`` of its curve, which keeps its last ``value`` there."""
+
+    driver: str
+    speed: float
+    end: float
+    value: float
+
+
+def excess_speeds(record: Record) -> Iterator[Excess]:
+    """Yield by how much the outputs of a run leave the curves of drivers over speed, of rigid bodies."""
+    mechanism, bodies = record.assembly.mechanism, record.assembly.bodies
+    if not all(map(record.keeps, BLOCKS)):
+        return
+    for action in actions(mechanism):
+        kind, name = action.owner
+        if kind != "driver" or action.argument[0] != SPEED or bodies[action.argument[2]].elements:
+            continue
+        speed = _argument(record, action)
+        curve: tuple[float, ...] = getattr(mechanism.drivers[name], "speeds", ())
+        margin = CURVE_MARGIN * (curve[-1] - curve[0])
+        for peak, end, way in ((float(speed.min()), curve[0], -1.0), (float(speed.max()), curve[-1], 1.0)):
+            if way * (peak - end) > margin:
+                yield Excess(name, peak, end, action.function(end)[0])
 
 
 def work_of_drivers(record: Record, figures: dict[str, Effort]) -> Estimate | None:

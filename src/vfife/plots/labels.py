@@ -54,16 +54,18 @@ def _grouped(values: Sequence[tuple[str, str]]) -> Iterator[str]:
             yield " ".join(filter(None, (".".join(filter(None, (entries[0][0], key))), entries[0][1])))
 
 
-def differences(mechanisms: Sequence[Mechanism]) -> list[tuple[str, list[str]]]:
+def differences(
+    mechanisms: Sequence[Mechanism], left_out: Sequence[str] = SECTIONS
+) -> list[tuple[str, list[str]]]:
     """Return the parameters in which mechanisms differ, and the value of each: those that several joints or
-    bodies share alike under one name.
+    bodies share alike under one name. ``left_out``: sections of a model that do not count.
     """
     models = [dict(_flat(tables_of(mechanism))) for mechanism in mechanisms]
     changes: dict[str, list[Any]] = {}
     sizes: dict[str, float] = {}  # by the last key of a path: values that stand together share a unit
     for path in dict.fromkeys(path for values in models for path in values):
         values = [model.get(path) for model in models]
-        if path.partition(".")[0] not in SECTIONS and any(value != values[0] for value in values):
+        if path.partition(".")[0] not in left_out and any(value != values[0] for value in values):
             changes[path], key = values, path.rpartition(".")[2]
             sizes[key] = min(size for size in (_size(values), sizes.get(key, np.inf)) if size > 0.0)
     groups: dict[tuple[Any, ...], list[str]] = {}

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 from pathlib import Path
-from typing import Any, TypeGuard
+from typing import Any, TypeGuard, TypeVar
 
 import numpy as np
 from matplotlib import rc_context
@@ -22,6 +22,7 @@ from ..report import parts
 from .layout import broken, width_of
 from .style import FAINT, GREY, INK, STYLE
 
+T = TypeVar("T")
 PAGE = (8.27, 11.69)  # inches
 LEFT, RIGHT, TOP, BOTTOM = 0.85, 0.75, 0.8, 0.8  # margins (inches)
 ROOM = PAGE[0] - LEFT - RIGHT
@@ -36,6 +37,7 @@ SHRUNK, TALLEST = 0.59, 4.45  # scale of figures, which makes their texts alike;
 TALL_FIRST, SHORT_FIRST = 4.0, 1.8  # inches: usual and least height of the figure of the first page
 CANDIDATES = 12  # figures of which those of a page are chosen
 UNBROKEN_SHARE = 0.5  # of the height of a page: a shorter table is not broken over two
+LAST_LINES = 4  # of a text or table that stay on one page: the last one has no line by itself
 MONOSPACE = 112  # characters of a line of a file
 
 
@@ -75,18 +77,22 @@ class Paper:
     def text(self, text: str, size: float = TEXT, indent: float = 0.0, **look: Any) -> None:
         """Write a paragraph."""
         room = (ROOM - indent) * (0.9 if look.get("weight") == "bold" else 1.0)
-        for line in broken(self.page, text, room, size):
-            self.keep(size * LINE)
+        for line, count in _counted(broken(self.page, text, room, size)):
+            self.keep(count * size * LINE)
             self.put(LEFT + indent, self.at, line, size, **look)
             self.at += size * LINE
 
     def lines(self, text: str) -> None:
         """Write the lines of a file."""
-        for line in text.splitlines():
-            for part in [line[k : k + MONOSPACE] for k in range(0, max(len(line), 1), MONOSPACE)]:
-                self.keep(CODE * LINE)
-                self.put(LEFT, self.at, part, CODE, family="DejaVu Sans Mono")
-                self.at += CODE * LINE
+        parts = [
+            line[k : k + MONOSPACE]
+            for line in text.splitlines()
+            for k in range(0, max(len(line), 1), MONOSPACE)
+        ]
+        for part, count in _counted(parts):
+            self.keep(count * CODE * LINE)
+            self.put(LEFT, self.at, part, CODE, family="DejaVu Sans Mono")
+            self.at += CODE * LINE
 
     def rows(self, rows: Sequence[Sequence[str]], numbers: Sequence[int], heads: Sequence[str] = ()) -> None:
         """Write rows of cells, wide ones in a smaller font, and still wider columns wrapped; ``heads`` again
@@ -98,9 +104,9 @@ class Paper:
         widths = self.widths(rows, heads)
         if heads:
             self.row(heads, widths, numbers, 0.0, weight="bold")
-        for row in rows:
+        for row, count in _counted(rows):
             page_count = self.count
-            self.keep(self.height(row, widths))
+            self.keep(count * self.height(row, widths))
             if heads and self.count > page_count:
                 self.row(heads, widths, numbers, 0.0, weight="bold")
             self.row(row, widths, numbers, 0.4)
@@ -195,6 +201,12 @@ class Paper:
         self.at += tall * scale + 0.05
         self.text(caption, SMALL, color=GREY)
         self.at += GAP
+
+
+def _counted(lines: Sequence[T]) -> Iterator[tuple[T, int]]:
+    """Yield lines, each with the number of lines that have to fit the page from it on."""
+    for left, line in zip(range(len(lines), 0, -1), lines, strict=True):
+        yield line, left if left <= LAST_LINES else 1
 
 
 def fullest(heights: Mapping[str, float], room: float) -> list[str]:

@@ -11,6 +11,7 @@ import numpy as np
 from ..assembly.timestep import MANY_OUTPUTS
 from ..laws.materials import hardness_of
 from ..measures.contacts import CONFORMAL, line_pressure
+from ..measures.efforts import excess_speeds
 from ..measures.energy import open_share, own_floor
 from ..measures.landings import lasting_landings
 from ..measures.motion import at_rest, times
@@ -25,6 +26,7 @@ from ..model.joints import Contact
 from ..model.surfaces import cautions, law_facts, remarks, surfaces
 from ..model.validation.plausibility import clearances_at_rest, suspect_surfaces
 from ..solvers.status import Status
+from ..units import in_rpm
 from .damping_cautions import (
     certain_shocks,
     comparison,
@@ -45,6 +47,7 @@ if TYPE_CHECKING:
     from ..results.run_data import RunData
     from ..solvers.record import Record
 
+CORNERS = " A block touches its guide with its corners: a larger corner_radius lowers both there."
 PIN = 0.1  # of the journal's radius: a pin that sinks in deeper has lost its shape
 SOFTER = (
     "a limit load may have been passed, or the structure became softer, which load factors so far apart do"
@@ -97,6 +100,7 @@ def transient_cautions(result: RunData, verdict: str, of_laws: Iterable[str]) ->
         yield f"{soft[0].upper()}{soft[1:]}" if soft else sentence.format(time=float(result.time[-1]))
     yield from rest_cautions(record)
     yield from cycle_cautions(result)
+    yield from curve_cautions(record)
     if choice.step > choice.stable:
         yield (
             f"The step of {choice.step:.4g} s is larger than the stable one, {choice.stable:.4g} s"
@@ -183,6 +187,18 @@ def cycle_cautions(result: RunData) -> Iterator[str]:
         f"{fact} Mean powers and ends of strokes are those of the machine, largest values in the highest of"
         " the single turns; rms torque and energy fluctuation are those of single turns, not of the machine."
     )
+
+
+def curve_cautions(record: Record) -> Iterator[str]:
+    """Yield a sentence on each driver whose speed leaves its curve."""
+    for name, speed, end, value in excess_speeds(record):
+        yield (
+            f"Driver {name} reaches about {float(f'{30.0 * speed / math.pi:.4g}'):,g} rpm; its curve ends"
+            f" at {in_rpm(end)} and keeps {value:.4g} N m beyond. Let speeds go on to there: a motor may"
+            " brake. Is the speed unexpected, look for a load that drives the machine (force and force_back"
+            " exchanged, a wrong sign) or is"
+            " missing."
+        )
 
 
 def static_cautions(result: RunData) -> Iterator[str]:
@@ -353,10 +369,12 @@ def out_of_range(result: RunData) -> Iterator[str]:
     if texts := excesses(result, extremes):
         part = result.measures.part
         aside = "" if part == "whole run" else f" (tables: {part})"
+        contacts = result.record.assembly.mechanism.contacts.values()
+        has_corners = any(hasattr(joint, "corner_radius") for joint in contacts)
         yield (
             f"Beyond what joints are built for, in the whole run{aside}:"
             f" {'; '.join(texts)}. The forces are still those of the laws; check loads, sizes, materials"
-            " and stiffness."
+            f" and stiffness.{CORNERS * has_corners}"
         )
 
 

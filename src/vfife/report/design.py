@@ -36,14 +36,15 @@ from .digits import NOT_DETERMINED
 from .document import Bullets, Document, Facts, Figure, Paragraph, Part, Section, Table
 from .fall_cautions import fall_remark
 from .fits import fit_cautions, fit_sentence, fits_data
-from .overview import settling_options
 from .pages import model_parts
 from .study import no_blows
+from .trust import settling_options
 
 if TYPE_CHECKING:
     from ..assessment.answer import Design, JointDesign, Life
 
 IMPACT_MEASURES = (".approach_speed.max", ".impacts", ".impact_power.mean")
+NO_LAW_CAUTION = "no caution says that the contact law decides this measure."
 NO_MATTER = (
     1.0  # %; a clearance that changes the measure by no more over its tolerance does not matter for it
 )
@@ -374,6 +375,8 @@ def value_cautions(design: Design) -> Iterator[str]:
     yield from rebound_cautions(design.mechanism, [design.measure])
     if design.measure.endswith((".force.max", ".torque.max")):
         yield "These machines have no cautions: vfife run states whether the contact law decides a force."
+        if design.law_caution is not None:
+            yield f"In a run of the model: {design.law_caution or NO_LAW_CAUTION}"
     low, high = design.nominal_range or (0.0, 0.0)
     if design.nominal is not None and high - low > SCATTERED * design.scale:
         yield (

@@ -41,6 +41,7 @@ from .run import (
     actuator_facts,
     document,
     effort_facts,
+    length_note,
     reversed_power,
     torque_text,
     wear_facts,
@@ -57,16 +58,19 @@ from .run_tables import (
     of_contacts,
 )
 from .trust import (
+    FAILURES,
     LEAST_DISTANCE,
     UNCOMPARED,
-    alternation_words,
     former_clause,
     mesh_clause,
     missing_estimate,
     over_several_turns,
     period_sentence,
     scatter_over_turns,
+    settling_options,
+    settling_sentence,
     turn_distance,
+    turns_to_settle,
     unstable_tries,
     verdict,
     without_turns,
@@ -80,7 +84,6 @@ NEGLIGIBLE = 0.01  # of the largest measure with the same unit: no warning about
 DECISIVE = (".force.max", ".moment.max", ".torque.max")
 CORNER = re.compile(r"\.(\d)\.")  # of a block in a guide, as a part of the name of a measure
 PREFIXES_OF = ("m", "N", "N m")  # units with a prefix in sentences, as in the table
-FAILURES = (Status.DIVERGED, Status.ENERGY, Status.NOT_CONVERGED)
 TWO_TURNS = 2.0 - 1e-9  # a run of two turns ends by rounding just before
 MOST_JOINTS, MOST_CAUTIONS, MOST_EXCEPTIONS, MOST_FACTORS = 8, 4, 3, 3
 
@@ -353,8 +356,9 @@ def joint_table(summary: Json) -> Table:
     means = [
         f"{name}.force.max" for name, row in zip(shown, rows, strict=True) if row[3] and " to " in row[2]
     ]
+    lengths = length_note(summary, [name for name, row in zip(shown, rows, strict=True) if row[8]])
     note = note_on_means(summary, means)
-    return noted(Table(headings, table, numbers=range(1, len(headings)), names=(0,)), note)
+    return noted(Table(headings, table, numbers=range(1, len(headings)), names=(0,)), note, lengths)
 
 
 def _margin(summary: Json, name: str) -> float:
@@ -453,31 +457,6 @@ def _machine(summary: Json) -> Iterator[tuple[str, str]]:
 
 
 # --------------------------------------------------------------------------------------------------- cautions
-
-
-def settling_sentence(summary: Json) -> str:
-    """Return by how much turns differ that do not repeat yet, and how many to run; "" for others."""
-    turns = summary["turns"]
-    is_open = turns and turns["motion"] in ("settling", "unsettled") and summary["status"] not in FAILURES
-    distance = (turns["distance"] or 0.0) if is_open else 0.0
-    if distance < LEAST_DISTANCE:
-        return ""
-    state = "The motion still settles: its" if turns["motion"] == "settling" else "The"
-    if decay := turns.get("decay"):
-        words = alternation_words(decay, distance)
-        return f"{state} turns do not repeat in pairs, {words}. Run {2 * turns['count']} turns."
-    options = settling_options(turns["count"])
-    return f"{state} turns do not repeat yet ({turn_distance(distance)} apart): run it with {options}."
-
-
-def settling_options(count: int) -> str:
-    """Return the options of a run that ends when its turns repeat, after one of ``count`` turns."""
-    return f"--turns {turns_to_settle(count)} --settle 1%"
-
-
-def turns_to_settle(count: int) -> int:
-    """Return a number of turns in which those of a run repeat that did not within ``count``."""
-    return 10 * max(count, 4)
 
 
 def cautions(summary: Json) -> Iterator[str]:

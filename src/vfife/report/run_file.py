@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from ..measures.contacts import Impact, Impacts
 
 WIDE = 2.0  # per cent: a change that is known less well is shown as a range
+MOST_INPUTS = 20  # of models that differ, in a table
+ALIKE = "The models of these runs have the same inputs."
 OVERLAP = "ranges overlap"  # instead of a change that may be an error of the steps
 
 
@@ -213,9 +215,10 @@ CHANGE_RANGE = (
 )
 
 
-def side_by_side(summaries: Mapping[str, Json]) -> Document:
+def side_by_side(summaries: Mapping[str, Json], inputs: Sequence[tuple[str, list[str]]] = ()) -> Document:
     """Return a table of the largest force of each joint in several runs, and of moments that are not
-    negligible, and one of knocks, friction and drives.
+    negligible, one of knocks, friction and drives, and one of the ``inputs`` that differ, each with a value
+    for every run.
 
     ``summaries`` are those of :func:`vfife.report.summary.run_summary` by the name of the run. A column
     beside each run after the first is the change from the first, unless the ranges of both overlap. Raises
@@ -239,6 +242,12 @@ def side_by_side(summaries: Mapping[str, Json]) -> Document:
     if drives:
         title = "Knocks, friction and drives"
         parts.append(Table(("of", *heads), drives, title, numbers=numbers, names=(0,)))
+    rows = [(name, *values) for name, values in inputs]
+    if (left := len(rows) - MOST_INPUTS) > 0:
+        rows[MOST_INPUTS:] = [(f"{left} more", *[""] * len(names))]
+    parts.append(
+        Table(("input", *names), rows, "Inputs that differ", names=(0,)) if rows else Paragraph(ALIKE)
+    )
     commands = [f"vfife info {name}" for name, summary in summaries.items() if any(cautions(summary))]
     shown_by = f"Cautions: {', '.join(commands)}. " if commands else ""
     parts.append(
@@ -248,7 +257,9 @@ def side_by_side(summaries: Mapping[str, Json]) -> Document:
             else f"{shown_by}Figures of these runs in one: vfife plot {' '.join(names)}"
         )
     )
-    return Document(parts, data={"runs": {name: _data(summary) for name, summary in summaries.items()}})
+    runs = {name: _data(summary) for name, summary in summaries.items()}
+    entries = [{"input": name, "values": row} for name, row in inputs]
+    return Document(parts, data={"runs": runs, "inputs": entries})
 
 
 Text = Callable[[Json, str], str]  # of a measure of a run, by its name

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 MOST_MESHES = 2  # elastic bodies that a sentence names
 LEAST_DISTANCE = 5e-5  # of turns (1), below which digits say nothing
+FAILURES = (Status.DIVERGED, Status.ENERGY, Status.NOT_CONVERGED)
 UNCOMPARED = "the step does not divide a turn, so turns cannot be compared"
 
 
@@ -432,3 +433,28 @@ def turn_distance(distance: float) -> str:
     if distance < LEAST_DISTANCE:
         return "less than 0.01 %"
     return f"{100.0 * distance:.2g} %" if distance < 0.1 else f"{100.0 * distance:.0f} %"
+
+
+def settling_sentence(summary: Json) -> str:
+    """Return by how much turns differ that do not repeat yet, and how many to run; "" for others."""
+    turns = summary["turns"]
+    is_open = turns and turns["motion"] in ("settling", "unsettled") and summary["status"] not in FAILURES
+    distance = (turns["distance"] or 0.0) if is_open else 0.0
+    if distance < LEAST_DISTANCE:
+        return ""
+    state = "The motion still settles: its" if turns["motion"] == "settling" else "The"
+    if decay := turns.get("decay"):
+        words = alternation_words(decay, distance)
+        return f"{state} turns do not repeat in pairs, {words}. Run {2 * turns['count']} turns."
+    options = settling_options(turns["count"])
+    return f"{state} turns do not repeat yet ({turn_distance(distance)} apart): run it with {options}."
+
+
+def settling_options(count: int) -> str:
+    """Return the options of a run that ends when its turns repeat, after one of ``count`` turns."""
+    return f"--turns {turns_to_settle(count)} --settle 1%"
+
+
+def turns_to_settle(count: int) -> int:
+    """Return a number of turns in which those of a run repeat that did not within ``count``."""
+    return 10 * max(count, 4)

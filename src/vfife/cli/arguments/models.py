@@ -71,6 +71,7 @@ class LiveOptions(LawOptions, function="live.live"):
         "PATH=LOW..HIGH",
     )
     no_sliders: bool = flag("--no-sliders", "Write no sliders.")
+    force: bool = flag("--force", "Replace an existing page.")
     port: int = option(0, "Port of the server on this machine.", "N", show_default="a free one")
     no_browser: bool = flag("--no-browser", "Print the address and open no browser.")
     set_: list[str] | None = option(None, SET, "PATH=VALUE", "--set")

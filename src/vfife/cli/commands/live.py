@@ -19,7 +19,7 @@ from ...live.page.patches import slider_patches
 from ...simulation.result import Result
 from ...store.schemas import is_run_file
 from ..arguments.models import LiveOptions
-from ..outputs import refuse_folder
+from ..outputs import refuse_existing
 from ..signals import ENDING, end_at_once
 from ..terminal import amount_of_bytes, fail, sentences, tell, writing
 from ..values import overrides, take_laws
@@ -45,8 +45,8 @@ def write(options: LiveOptions, source: Path, out: Path) -> None:
     """Write a page that needs no server."""
     if out.suffix.lower() not in PAGES:
         fail(f"-o {out}: the name of a page ends in .html")
-    with sentences(""):
-        refuse_folder("-o", out)
+    with sentences(str(out)):
+        refuse_existing(out, options.force)
     with sentences(str(source)):
         take_laws(options.laws)
         ACTIVITY(f"assembling the page of {source} and its sliders")

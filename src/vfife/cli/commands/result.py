@@ -50,9 +50,14 @@ def info(options: InfoOptions) -> None:
         if names := [f"--{name}" for name in ("long", "measures", "check") if getattr(options, name)]:
             fail(f"{', '.join(names)}: this is of one run, and {len(options.runs)} are named; leave it out")
         labels = [str(path) for path in options.runs]
-        summaries = {label: load(Path(label)).summary for label in dict.fromkeys(labels)}
+        results = {label: load(Path(label)) for label in dict.fromkeys(labels)}
         with sentences(", ".join(labels)):
-            answer(run_file.side_by_side(summaries), options.as_json)
+            from ...plots.labels import differences
+
+            mechanisms = [result.record.assembly.mechanism for result in results.values()]
+            summaries = {label: result.summary for label, result in results.items()}
+            inputs = differences(mechanisms, ("name",))
+            answer(run_file.side_by_side(summaries, inputs), options.as_json)
         return
     if options.long and not options.as_json:
         answer(document(load(run).summary))

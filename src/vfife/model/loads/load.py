@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import ClassVar, Literal
 
 from ...errors import Fault
@@ -246,7 +247,24 @@ class Load(Kind):
 
     @cached_property
     def _cautions(self) -> tuple[str, ...]:
-        return (*self._open_turn(), *self._jumps())
+        return (*self._open_turn(), *self._along_travel(), *self._jumps())
+
+    def _along_travel(self) -> Iterator[str]:
+        """Yield a sentence on a force along a guide whose two ways differ, and never so that the force takes
+        up work, at its places and halfway between them.
+        """
+        if not self.on_guide or self.measured[0] != "N" or self._ways[1] is None:
+            return
+        middles = (0.5 * (low + high) for low, high in pairwise(self.places))
+        pairs = [self.strokes_at(place) for place in (*self.places, *middles)]
+        gains = [math.copysign(1.0, self.unit) * (out - back) for out, back in pairs]
+        if max(gains) > OPEN * self.largest and min(gains) >= 0.0:
+            out, back = ("expression", "expression_back") if self.expression else self.keys
+            yield (
+                f"The load {self.name} drives the machine: where its two ways differ, it acts along the"
+                f" motion of {self.slider}. {out} is that of growing travel, {back} that of falling travel."
+                f" A tool or friction resists: exchange {out} and {back}, or check their signs and reverse."
+            )
 
     def _open_turn(self) -> Iterator[str]:
         """Yield a sentence on a table over nearly a turn of a crank that the next turn does not continue."""

@@ -234,6 +234,8 @@ def check_measures(base: Mechanism, names: Sequence[str] | None, reader: Reader)
             owner, _, ending = name.partition(".")
             if owner not in owners or ending not in UNITS or ending in endings:
                 remedy = suggestion(name, available, "the names are those of vfife run MODEL.toml --json")
+                corners = [c for c in available if c.startswith(owner + ".") and c.endswith("." + ending)]
+                remedy = f"it is one of each corner: {', '.join(corners)}" if corners else remedy
                 reader.refuse(("measures", k), "there is no such measure", shown(name), "", remedy)
     if names and len(set(names)) < len(names):
         reader.refuse(("measures",), "the same measure twice", "", "each one once", "remove it")
