@@ -14,9 +14,9 @@ from architecture.size import Size, size_of, sizes, tokens
 
 LIMITS = Size(
     files=511,
-    code=74_900,
-    tokens=757_000,
-    import_lines=7_290,
+    code=75_050,
+    tokens=759_500,
+    import_lines=7_300,
     inner_imports=104,
     many_arguments=10,
     tuples=28,
