@@ -144,6 +144,7 @@ def test_an_error_does_not_name_steps_whose_changes_are_unknown() -> None:
     one = entry(summary, "bottom")
     at = one["position"]
     spread = {"low": at, "high": at, "lowest": at, "highest": at + 1e-6}
+    summary["turns"] = summary["turns"] | {"motion": "periodic", "period": 1}
     summary["ranges"] = summary["ranges"] | {one["measure"]: spread}
     summary["not_estimated"] = [one["measure"]]
     (text,) = (text for _, text in dead_centres.lines(summary) if one["measure"] in text)

@@ -319,16 +319,16 @@ def faults_at(law: Law, kind: str, state: tuple[Any, ...], p: tuple[float, ...])
         if not math.isfinite(value):
             return [f"it returns {answer[0]!r} and {answer[1]!r}; both have to be finite"]
     first, second = answer
-    force, damping = f"the elastic force is {first:g} N", f"the damping coefficient is {second:g} N s/m"
     if kind == "friction":
         friction = f"a friction of {first:g} N without a normal force; it has to vanish with it"
         return [friction] if state[0] == 0.0 and first != 0.0 else []
+    force, damping = f"the elastic force is {first:g} N", f"the damping coefficient is {second:g} N s/m"
     problems = {
         f"{force}; surfaces that press on one another push, so it has to be 0 or more": first < 0.0,
         f"{damping}; it has to be 0 or more, or the contact would give energy": second < 0.0,
-        f"{force}; it has to be 0 where nothing is pressed in: `F if penetration > 0.0 else 0.0`": state[0]
-        == 0.0
-        and first > 0.0,
+        f"{force}; it has to be 0 where nothing is pressed in: `F if penetration > 0.0 else 0.0`": (
+            state[0] == 0.0 and first > 0.0
+        ),
         f"{damping} while the surfaces are apart; it has to be 0 there, where slowness is 0": (
             state == (0.0, 0.0) and second > 0.0
         ),
