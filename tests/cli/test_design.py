@@ -86,6 +86,11 @@ def test_a_page_a_document_and_words(command: Callable, stand_in: list[dict[str,
         assert done.exit_code == 0, done.stderr
         assert Path(name).read_bytes()[: len(first)].lower() == first.lower()
         assert "Conclusion" in done.stdout and f"{name}" in done.stdout
+    assert b"A. Designer" in Path("a.PDF").read_bytes()
+    done = command("design", MODEL, *words, "-o", "a.html")
+    assert done.exit_code == 2 and "-o a.html: this file exists" in " ".join(done.stderr.split())
+    done = command("design", MODEL, *words, "-o", "a.PDF", "--force")
+    assert done.exit_code == 0 and b"A. Designer" not in Path("a.PDF").read_bytes()
     page = Path("a.html").read_text()
     assert "wears out first" in page and "Next steps" in page
     for part in (
@@ -98,7 +103,6 @@ def test_a_page_a_document_and_words(command: Callable, stand_in: list[dict[str,
         assert part in page, part
     assert page.count('<img class="logo"') == 1 and page.count("<section") == 4
     assert "clearance = &quot;0.5 mm&quot;" in page, "the model as it was written"
-    assert b"A. Designer" in Path("a.PDF").read_bytes()
     assert stand_in[0] | {"of": "pin.force.max", "limit": "5 kN", "share": 0.5, "turns": 1, "wear": "1e-15",
         "wear_turns": 1e5, "clearance": 0.3e-3, "cost": {"IT7": 5.0, "IT8": 3.0}} == stand_in[0]  # fmt: skip
 

@@ -217,6 +217,7 @@ class DesignOptions(JsonOptions, ModelOptions, JobOptions, function="design.desi
     target: Path | None = option(
         None, "Also write a page, a document for printing or data.", "FILE.html|pdf|json", "-o", "--output"
     )
+    force: bool = flag("--force", "Replace an existing file.")
     author: str = option("", "Author on the page.", "NAME")
     logo: Path | None = option(None, "Picture on the page, PNG or JPEG.", "FILE")
 

@@ -20,7 +20,7 @@ from ...studies.engine.study_engine import split_values
 from ...studies.methods.derivatives import sensitivity as derive
 from ..arguments.studies import DesignOptions, SensitivityOptions
 from ..job import CommandJob
-from ..outputs import refuse_ending, refuse_files, refuse_folder
+from ..outputs import refuse_ending, refuse_existing, refuse_files
 from ..signals import ANSWER_GRACE, DISCARDED_ANSWER, ENDING
 from ..terminal import end_interrupted, json_text, sentences, writing
 from ..values import clearance_limit, mechanism_of, separated
@@ -30,11 +30,12 @@ ENDINGS = (".html", ".pdf", ".json")
 
 def design(options: DesignOptions) -> None:
     """Run ``vfife design``."""
-    with sentences(str(options.model)):
-        if options.target is not None:
+    if options.target is not None:
+        with sentences(f"-o {options.target}"):
             refuse_ending(options.target, ENDINGS)
-            refuse_folder("-o", options.target)
             refuse_files([("-o", options.target)], options.inputs)
+            refuse_existing(options.target, options.force)
+    with sentences(str(options.model)):
         front = Front(options.author, logo=options.logo)
         front.picture()
         mechanism = mechanism_of(options)
