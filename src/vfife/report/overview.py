@@ -76,6 +76,7 @@ from .trust import (
     without_turns,
 )
 
+STEPS_DECIDE = "Sensitive to the step size"
 RELIABLE = "Reliable numerically"  # laws and data of the model are no part of it
 NOT_COMPUTED = "not computed"  # friction of ideal joints
 LOOSE = 1.5  # times the shaking force at the outputs: a larger estimate is left to the long answer
@@ -187,10 +188,12 @@ def uncertain(summary: Json) -> bool:
 
 def certainty(summary: Json) -> str:
     """Return how far the forces, moments and torques of a run can be trusted, in one or two sentences."""
+    numerical = [settling_sentence(summary), _from_its_start(summary, _with_meshes(summary))]
+    if numerical[1].startswith(STEPS_DECIDE):
+        numerical.reverse()
     sentences = [
         fall_sentence(summary),
-        settling_sentence(summary),
-        _from_its_start(summary, _with_meshes(summary)),
+        *numerical,
         law_sentence(summary),
         period_sentence(summary),
     ]
@@ -303,7 +306,7 @@ def _certainty(summary: Json) -> str:
         remainder = " The step was given: ranges cover it and its companions only; others may differ more."
     # An acceleration leads only where nothing that a joint has to carry is uncertain.
     values = "; ".join([*shown, *unlisted])
-    return f"Sensitive to the step size: {values}. Quote these ranges.{remainder}{unstable_tries(trust)}"
+    return f"{STEPS_DECIDE}: {values}. Quote these ranges.{remainder}{unstable_tries(trust)}"
 
 
 def _share(error: float) -> str:
