@@ -18,10 +18,14 @@ from support import bits, four_bar, lanes
 from vfife import Result, simulate
 from vfife.assembly.assemble import assemble
 from vfife.compiler.runtime.lawloops import Single, traced
+from vfife.dynamics import load_map, poincare_section
 from vfife.errors import LawError
 from vfife.laws import ContactLaw, FrictionLaw, LankaraniNikravesh
 from vfife.laws.check import USUAL, faults, faults_of_class, faults_of_numbers
 from vfife.laws.user import executed, load_laws
+from vfife.live.page.reports import report as write_report
+from vfife.modelfile import loads
+from vfife.report.dynamics import document
 from vfife.simulation.start import ideal_of
 
 COPY = '''"""Lankarani and Nikravesh again, under a name of its own."""
@@ -399,6 +403,55 @@ def test_a_run_file_opens_without_the_law(tmp_path):
             reference=False,
             step=again.record.assembly.choice.step,
         )
+
+
+BALL = """
+gravity = [0, -9.81]
+[ground]
+floor = [0, 0]
+[body.ball]
+mass = 1
+inertia = 0.01
+position = [0, "51 mm"]
+[joint.touch]
+kind = "contact"
+bearing = "ground.floor"
+journal = "ball.center"
+bearing_radius = "20 mm"
+journal_radius = "30 mm"
+axial_length = "20 mm"
+[joint.touch.contact]
+law = "mine"
+stiffness = 1e9
+"""
+
+
+def test_surfaces_without_a_clearance_have_a_table_too(tmp_path):
+    """A ball falls on a round: the force at the depth of its own weight from the table."""
+    loaded(tmp_path)
+    first = simulate(loads(BALL), duration="40 ms", companions=0, reference=False)
+    first.save(tmp_path / "run.sqlite")
+    assert first.measures["touch.impacts"] > 0
+    del ContactLaw.registry["mine"]
+    again = Result.load(tmp_path / "run.sqlite")
+    law = again.record.assembly.mechanism.contacts["touch"].contact
+    depth, parameters = 1e-4, tuple(law.entry["joints"][0]["p"])
+    assert law.force(depth, 0.0, parameters)[0] == pytest.approx(1e9 * depth**1.5, rel=1e-3)
+    stored, table = (result.ledger.terms["contact"] for result in (first, again))
+    assert stored.max() > 1e-3 and np.abs(table - stored).max() < 1e-3 * stored.max()
+    (note,) = write_report(again, tmp_path / "a.html")
+    assert "known from a run file only" in note and (tmp_path / "a.html").stat().st_size > 1e5
+
+
+def test_a_map_file_opens_without_the_law(tmp_path):
+    (mine,) = loaded(tmp_path)
+    model = four_bar("C", contact=mine(stiffness=5e10))
+    made = poincare_section(model, turns=3, dropped=1, step=1.5e-5, file=tmp_path / "a.map")
+    said = str(document(made))
+    del ContactLaw.registry["mine"]
+    again = load_map(tmp_path / "a.map")
+    assert "contact mine" in again.laws and again.kind == again.verdict.kind == "not settled"
+    assert str(document(again)) == said
 
 
 def test_a_law_that_changed_since_does_not_stand_for_the_recorded_one(tmp_path):

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from ..errors import RunFileError
+from ..laws.stored import standing_in
 from ..measures.modes import modes
 from ..options import with_faults
 from ..results.spectra import envelope, spectrogram, spectrum
@@ -15,6 +16,7 @@ from ..store.connections import warn_of_damage
 from ..store.studyfile import MapFile
 from .basins import Basins, basins
 from .bifurcation import Bifurcation, bifurcation
+from .maps import OWN_LAWS
 from .sections import PoincareSection, poincare_section
 from .waterfall import Waterfall, waterfall
 
@@ -33,7 +35,7 @@ __all__ = [
 
 AnyMap: TypeAlias = Basins | Bifurcation | PoincareSection | Waterfall
 KINDS: dict[str, type[AnyMap]] = {
-    kind.kind: kind for kind in (Basins, Bifurcation, PoincareSection, Waterfall)
+    kind.file_kind: kind for kind in (Basins, Bifurcation, PoincareSection, Waterfall)
 }
 
 
@@ -51,7 +53,9 @@ def load_map(path: str | Path) -> AnyMap:
             raise RunFileError(
                 f"{path}: this map file was written by another version of vfife; make the map again"
             )
-        result = kind.read(file)
+        with standing_in(entries := file.get("meta", OWN_LAWS, "json") or ()):
+            result = kind.read(file)
+        vars(result)["own_laws"] = entries
     warn_of_damage(
         Path(path), "map", file.damage, "Repeat the command that made it: it computes the missing rows."
     )

@@ -27,7 +27,7 @@ from ..measures.attractors import (
 )
 from ..measures.chaos import CHAOTIC, TEST_POINTS, UNDECIDED, Verdict, exponent
 from ..model.mechanism import Mechanism
-from ..modelfile import dump, loads
+from ..modelfile import dump
 from ..options import with_options
 from ..simulation.turn_steps import refuse_large_frame
 from ..solvers.arguments import Arguments
@@ -132,7 +132,7 @@ class Basins(CheckedMap):
     motion, shape (series,); files of former versions have none.
     """
 
-    kind: ClassVar[str] = "basins"
+    file_kind: ClassVar[str] = "basins"
     noun: ClassVar[str] = "starts"
     most_differences: ClassVar[int] = 1  # a start has two long numbers
     points: Mapping[int, Array]
@@ -265,7 +265,7 @@ class Basins(CheckedMap):
         most from that of the run, by more than 1 % of itself and of its axis.
         """
         spec = self.spec
-        states, axes = StartStates(loads(spec.model), spec.steps), (spec.x, spec.y)
+        states, axes = StartStates(self.mechanism, spec.steps), (spec.x, spec.y)
         cases = [len(spec.x) * row + column for row in thirds(spec.y) for column in thirds(spec.x)]
         spans = {path: max(axis) - min(axis) for path, axis in zip(spec.paths, axes, strict=True)}
         misfits = [

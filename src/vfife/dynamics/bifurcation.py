@@ -131,7 +131,7 @@ class Bifurcation(CheckedMap):
     of a range of angles or speeds were written; empty if that is the SI unit.
     """
 
-    kind: ClassVar[str] = "bifurcation"
+    file_kind: ClassVar[str] = "bifurcation"
     points: Mapping[str, Array]
     growth: Array
     exponents: Array

@@ -20,12 +20,14 @@ from ..errors import Fault, ModelError, VfifeError, former_names, suggestion
 from ..files import DataTable, share_done
 from ..job.cost import LANES, TANGENTS, WORTH, Forecast, cores, run_cost, timed_step
 from ..job.job import job_of
+from ..laws.stored import standing_in
 from ..model.functions import crank_faults
 from ..model.mechanism import Mechanism
 from ..modelfile import dump, loads
 from ..modelfile.parameter import Parameter, numbers
 from ..options import Watch
 from ..report.html import NotebookDocument
+from ..results.provenance import own_laws
 from ..schema import Integer, Measure
 from ..simulation.turn_steps import step_count, with_steps
 from ..solvers.arguments import LARGEST_COUNT, Arguments
@@ -34,6 +36,7 @@ from ..solvers.turn_runner import discontinuity
 from ..store.studyfile import MapFile, locked_file, stored_cases
 
 Array = NDArray[np.float64]
+OWN_LAWS = "own_laws"  # entry of the meta of a map file
 # Remedy for a model without a crank whose base or load is periodic.
 YOKE = (
     "drive a body; for a harmonic slider or point, drive a crank that moves it as a Scotch yoke, and for a"
@@ -65,8 +68,9 @@ class MapSpec:
 class Map(NotebookDocument, DataTable):
     """A map, as far as it is computed: the model's ``name`` and the specification ``spec``."""
 
-    kind: ClassVar[str]  # in map files
+    file_kind: ClassVar[str]  # in map files
     noun: ClassVar[str] = "values"  # what is computed one after the other
+    own_laws = ()  # entries of the user's laws in a map file that was read
     name: str
     spec: Any
     if TYPE_CHECKING:  # a field or a property
@@ -86,10 +90,16 @@ class Map(NotebookDocument, DataTable):
         return share_done(self.done, self.planned, self.noun)
 
     @property
+    def mechanism(self) -> Mechanism:
+        """The mechanism, with laws of the user that are not loaded as they are recorded in the map file."""
+        with standing_in(self.own_laws):
+            return loads(self.spec.model)
+
+    @property
     def laws(self) -> str:
         """Contact and friction laws of the model as text, joint by joint where they differ."""
         joints: dict[str, list[str]] = {}
-        mechanism = loads(self.spec.model)
+        mechanism = self.mechanism
         for name, joint in mechanism.contacts.items():
             has_none = getattr(joint.friction, "coefficient", None) == 0.0
             friction = "no friction" if has_none else f"friction {joint.friction.name}"
@@ -174,10 +184,11 @@ class MapRun:
         with (
             self.job,
             locked_file(
-                MapFile, self.file, {"what": kind.kind, "name": name, "asked": vars(spec)}, content
+                MapFile, self.file, {"what": kind.file_kind, "name": name, "asked": vars(spec)}, content
             ) as file,
         ):
             rows = MapRows(file)
+            rows.keep_laws(loads(spec.model))  # type: ignore[attr-defined]
             try:
                 yield rows
             except KeyboardInterrupt:
@@ -243,6 +254,11 @@ class MapRows:
     def array(self, key: str) -> Array | None:
         """Return an array in the file, or None."""
         return None if self.file is None else self.file.array(key)
+
+    def keep_laws(self, mechanism: Mechanism) -> None:
+        """Write the user's own laws into the file, if there is one: it can then be read without them."""
+        if self.file is not None and (laws := own_laws(mechanism)):
+            self.file.put({OWN_LAWS: laws})
 
     def write(self, table: str, key: str | int, *values: Any) -> None:
         """Write a row into the file, if there is one."""

@@ -19,7 +19,7 @@ from ..kinematics.initial import ideal_motion
 from ..kinematics.start import Misfit
 from ..measures.chaos import Exponent, Verdict, exponent
 from ..model.mechanism import Mechanism
-from ..modelfile import dump, loads
+from ..modelfile import dump
 from ..options import with_options
 from ..simulation.turn_steps import refuse_large_frame, with_steps
 from ..solvers.arguments import Arguments
@@ -67,7 +67,7 @@ class PoincareSection(Map):
     (turns,); empty in files of former versions.
     """
 
-    kind: ClassVar[str] = "section"
+    file_kind: ClassVar[str] = "section"
     noun: ClassVar[str] = "turns"
     points: Mapping[str, Array]
     growth: Array
@@ -129,10 +129,15 @@ class PoincareSection(Map):
         points = np.stack(list(self.points.values()), axis=1)
         return classified(self.spec, points, self._growth)
 
+    @property
+    def kind(self) -> str:
+        """Kind of the motion: "period 2", "chaotic", "not settled" (see :attr:`verdict`)."""
+        return self.verdict.kind
+
     @cached_property
     def misfit(self) -> Misfit | None:
         """The given velocity that differs most from that of the run."""
-        misfits = ideal_motion(loads(self.spec.model)).misfits
+        misfits = ideal_motion(self.mechanism).misfits
         return max(misfits, key=lambda misfit: misfit.size, default=None)
 
     def plot(self) -> Figure:

@@ -122,7 +122,7 @@ class Waterfall(Map):
     ``diverged`` are the values without a motion.
     """
 
-    kind: ClassVar[str] = "waterfall"
+    file_kind: ClassVar[str] = "waterfall"
     noun: ClassVar[str] = "runs"
     orders: Array
     turn: Array

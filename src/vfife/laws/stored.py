@@ -76,8 +76,11 @@ def described(pair: Pair) -> Entry:
 
 
 def table(law: ContactLaw, pair: Pair, p: tuple[float, ...]) -> list[list[float]]:
-    """Return depths (m) up to twice the clearance, and the elastic forces (N) and energies (J) there."""
-    depths = [2.0 * pair.clearance * integer_power(k / (POINTS - 1), 3) for k in range(POINTS)]
+    """Return depths (m) up to twice the clearance, or to the smaller radius where surfaces touch from outside
+    and have none, and the elastic forces (N) and energies (J) there.
+    """
+    deepest = 2.0 * pair.clearance or min(pair.bearing_radius, pair.journal_radius)
+    depths = [deepest * integer_power(k / (POINTS - 1), 3) for k in range(POINTS)]
     forces = [float(law.force(depth, 0.0, p)[0]) for depth in depths]
     try:
         energies = [float(law.elastic_energy(depth, p)) for depth in depths]

@@ -361,7 +361,7 @@ class Film:
             if k == 0:
                 ax.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), borderpad=0.0, fontsize=9)
         ax.set_title(f"joint {name}", fontsize=10)
-        ax.set(ylabel=f"force ({unit})", ylim=(0.0, 1.06 * factor * largest_force))
+        ax.set(ylabel=f"force ({unit})", ylim=(0.0, 1.06 * factor * largest_force or 1.0))
         span.set_limits(ax)
         if k == count - 1:
             ax.set_xlabel(span.title)

@@ -263,6 +263,7 @@ def square(ax: Axes, half: float) -> None:
     """Set equal scales with the origin in the middle, and few round ticks."""
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
+    half = half or 1.0  # of a contact without a force
     ax.set(xlim=(-half, half), ylim=(-half, half))
     ax.set_aspect("equal")
 

@@ -12,6 +12,7 @@ from ...compiler.backends import javascript
 from ...files import write_text
 from ...kernels.arrays import Layout
 from ...kernels.topology import Topology
+from ...laws.stored import refuse_recorded
 from ...model.mechanism import Mechanism
 from ...simulation.result import Result
 from ...simulation.simulate import simulate
@@ -120,7 +121,9 @@ def static_page(result: Result) -> str:
 
 
 def page_with_sliders(patches: SliderPatches) -> str:
-    """Return the page of a mechanism with sliders."""
+    """Return the page of a mechanism with sliders. Raises LawError for laws known from a run file only."""
+    topology = patches.base.assembly.topology
+    refuse_recorded([*topology.contact_laws, *topology.friction_laws])
     return page_text(payload(patches.base) | patches.json() | {"worker": worker(patches.base)})
 
 
