@@ -191,12 +191,7 @@ def certainty(summary: Json) -> str:
     numerical = [settling_sentence(summary), _from_its_start(summary, _with_meshes(summary))]
     if numerical[1].startswith(STEPS_DECIDE):
         numerical.reverse()
-    sentences = [
-        fall_sentence(summary),
-        *numerical,
-        law_sentence(summary),
-        period_sentence(summary),
-    ]
+    sentences = [fall_sentence(summary), *numerical, law_sentence(summary), period_sentence(summary)]
     if without_turns(summary):
         sentences.append(
             f"{UNCOMPARED[0].upper()}{UNCOMPARED[1:]}: all values are those of the last turn alone."
