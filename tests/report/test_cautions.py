@@ -115,7 +115,10 @@ def pendulums(gravity: float, angle: float, loose: bool) -> vfife.Mechanism:
     [
         (pendulums(0.0, -84.5, True), "no gravity and no load"),
         (pendulums(0.0, -30.0, False), "no gravity and no load"),
-        (pendulums(-9.81, -90.0, False), "in equilibrium"),
+        (
+            pendulums(-9.81, -90.0, False),
+            "in equilibrium, and stays there; whether it is stable is not examined",
+        ),
     ],
     ids=["loose", "ideal", "hanging"],
 )

@@ -14,17 +14,16 @@ from ..measures.contacts import CONFORMAL, line_pressure
 from ..measures.efforts import excess_speeds
 from ..measures.energy import open_share, own_floor
 from ..measures.landings import lasting_landings
-from ..measures.motion import at_rest, times
+from ..measures.motion import at_rest
 from ..measures.normal_forces import largest_normal_forces
 from ..measures.rounding import rounding_noise
-from ..measures.statics import SNAP, displacement, first_leap
 from ..measures.trust import OPEN
 from ..measures.turns import full_run
 from ..measures.whirl import backward_whirls
 from ..model.functions import crank_of, cycle_of, turn_of, without_ideal
 from ..model.joints import Contact
 from ..model.surfaces import cautions, law_facts, remarks, surfaces
-from ..model.validation.plausibility import clearances_at_rest, suspect_surfaces
+from ..model.validation.plausibility import suspect_surfaces
 from ..solvers.status import Status
 from ..units import in_rpm
 from .damping_cautions import (
@@ -39,7 +38,6 @@ from .damping_cautions import (
 from .design_words import and_words
 from .divergence import FLOOR, soft_contact
 from .document import grouped
-from .trust import static_verdict
 
 if TYPE_CHECKING:
     from ..laws import Material
@@ -49,10 +47,6 @@ if TYPE_CHECKING:
 
 CORNERS = " A block touches its guide with its corners: a larger corner_radius lowers both there."
 PIN = 0.1  # of the journal's radius: a pin that sinks in deeper has lost its shape
-SOFTER = (
-    "a limit load may have been passed, or the structure became softer, which load factors so far apart do"
-    " not tell"
-)
 # Endings of measures that a rebound changes: speeds, numbers and energies of impacts.
 OF_IMPACTS = (".approach_speed.max", ".impacts", ".impact_energy.total", ".impact_power.mean")
 UNCERTAIN = 0.1  # width of a joint's force over its value from which on it needs no further caution
@@ -156,8 +150,10 @@ def rest_cautions(record: Record) -> Iterator[str]:
             "look at the drivers and the length of the run",
         )
     elif any(mechanism.gravity) or mechanism.loads:
-        cause = "the mechanism starts in equilibrium, and stays there"
-        remedy = "give it another start position, a velocity, a load or a driver"
+        cause = "the mechanism starts in equilibrium, and stays there; whether it is stable is not examined"
+        remedy = (
+            "give it another start position, a velocity, a load or a driver; vfife modes examines the start"
+        )
     else:
         cause = "the model has no gravity and no load"
         remedy = 'give it gravity = [0, "-9.81 m/s^2"], a load, a driver or a velocity'
@@ -198,48 +194,6 @@ def curve_cautions(record: Record) -> Iterator[str]:
             " brake. Is the speed unexpected, look for a load that drives the machine (force and force_back"
             " exchanged, a wrong sign) or is"
             " missing."
-        )
-
-
-def static_cautions(result: RunData) -> Iterator[str]:
-    """Yield sentences on what makes equilibria doubtful, each with a remedy."""
-    record = result.record
-    if record.damaged_parts:
-        yield (
-            f"The run file is damaged: {', '.join(record.damaged_parts)} could not be read; run the model"
-            " again."
-        )
-    if record.message:
-        yield record.message
-    elif record.status != Status.COMPLETE:
-        yield f"The analysis is {record.status}: it reached only the load factors listed here."
-    yield from record.assembly.missing_joints
-    if coarse := static_verdict(result):
-        yield coarse
-    yield from suspect_surfaces(record.assembly.mechanism)
-    yield from clearances_at_rest(record.assembly.mechanism)
-    yield from snap_cautions(record)
-    if not record.snaps and (leap := first_leap(record)):
-        certain = leap.by_load > SNAP
-        reason = "a limit load was passed and the structure snapped through"
-        yield (
-            f"At load factor {leap.load_factor:g} the displacement leaps by {leap.size:.4g} m, per load"
-            f" {leap.by_load:.3g} times the step before: {reason if certain else SOFTER}."
-            f" Choose closer load factors before it{', or prescribe a travel to follow the path' * certain}."
-        )
-
-
-def snap_cautions(record: Record) -> Iterator[str]:
-    """Yield a sentence on each way between two load factors on which the structure was unstable."""
-    factors, moved = times(record).tolist(), displacement(record)
-    for start, end in record.snaps:
-        last = factors.index(end)
-        yield (
-            f"Between load factors {start:g} and {end:g} the structure became unstable and snapped"
-            " through: a limit load (or a buckling load) was passed, and the displacement goes from"
-            f" {moved[last - 1]:.4g} to {moved[last]:.4g} m. Equilibria from {end:g} on lie beyond it."
-            " Closer load factors show at which load this happens; a prescribed travel in place of the load"
-            " follows the path."
         )
 
 

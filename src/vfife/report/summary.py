@@ -30,17 +30,11 @@ from ..model.validation.plausibility import clearances_at_rest, suspect_surfaces
 from ..model.wear import deepest
 from ..solvers.record import Record
 from ..solvers.refinement import worth_other_meshes, worth_refining
-from .cautions import (
-    largest_by_joint,
-    law_cautions,
-    static_cautions,
-    transient_cautions,
-    usual_remarks,
-    wide_contacts,
-)
+from .cautions import largest_by_joint, law_cautions, transient_cautions, usual_remarks, wide_contacts
 from .dead_centres import dead_centres
 from .fall_cautions import fall_caution, fall_of
 from .freedom import freedom_left
+from .static_cautions import static_cautions
 from .trust import over_several_turns, trust_summary, turns_summary, verdict
 
 if TYPE_CHECKING:

@@ -246,6 +246,7 @@ def restored(
     message = str(meta.get("message", ""))
     record = Record(assembly, steps, rows, recorded, wall, loop, status_of(meta, place), message=message)
     record.snaps = tuple((float(start), float(end)) for start, end in meta.get("snaps", ()))
+    record.unstable = tuple((float(factor), state) for factor, state in meta.get("unstable", ()))
     return record
 
 

@@ -165,6 +165,8 @@ class Result(RunData):
             meta["estimate"] = dataclasses.asdict(record.estimate)
         if record.snaps:
             meta["snaps"] = record.snaps
+        if record.unstable:
+            meta["unstable"] = record.unstable
         file.finish(
             record.status, self.summary, **meta, wall=record.wall, loop=record.loop, message=record.message
         )

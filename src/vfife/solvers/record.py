@@ -237,7 +237,8 @@ class Record:
     ``reached`` is the last step made, ``burst`` where the run diverged.
     ``checkpoint`` is the state from which it goes on, with that of its companions, where no file has it.
     ``turn_ends`` are those of a record of one turn that begins and ends between two outputs.
-    ``snaps`` are the pairs of load factors between which a structure in static analysis became unstable.
+    ``snaps`` are the pairs of load factors between which a structure in static analysis became unstable;
+    ``unstable`` are load factors with whether their equilibrium is, None where that is not examined.
     """
 
     assembly: Assembly
@@ -262,6 +263,7 @@ class Record:
     )  # where blocks stand, which records of one layout may share
     turn_ends: TurnEnds | None = field(default=None, repr=False, compare=False)
     snaps: tuple[tuple[float, float], ...] = ()
+    unstable: tuple[tuple[float, bool | None], ...] = ()
     cache: BlockCache | None = field(default=None, init=False, repr=False, compare=False)
 
     def __repr__(self) -> str:

@@ -348,5 +348,5 @@ def _on_mesh(
         if progress is not None:
             progress(dataclasses.replace(state, text=f"{WORDS[share]} the elements, {state.text}"))
 
-    equilibria = equilibrium(assembly, loop=record.loop, progress=tell)
+    equilibria = equilibrium(assembly, loop=record.loop, progress=tell, examine=False)
     return {share: equilibria} if equilibria.status == Status.COMPLETE else {}

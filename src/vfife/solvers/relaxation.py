@@ -294,7 +294,10 @@ class Relaxation:
             for k in (0, 1)
         )
         self.inverse = np.concatenate([self.layout[name][free[axis]] for axis, name in moving.items()])
+        loads = {"x": "particle_load_x", "y": "particle_load_y", "theta": "particle_load_m"}
+        self.loads = np.concatenate([self.layout[loads[axis]][free[axis]] for axis in moving])
         self.turning = np.concatenate([np.full(len(free[axis]), axis == "theta") for axis in moving])
+        self.scale = np.where(self.turning, 1.0, self.size)
         for block in ("u", "v", "w"):
             state[self.layout[f"particle_{block}"]] = 0.0
         state[self.layout["step"]] = 1.0
@@ -319,6 +322,8 @@ class Relaxation:
         # Called after a chunk with its places, accelerations, masses and which contacts touch, per output.
         self.follow: Callable[[Array, Array, Array, NDArray[np.bool_]], None] | None = None
         self.snaps = list[tuple[float, float]]()
+        # Load factors, and whether their equilibrium is unstable; None where that is not examined.
+        self.unstable = list[tuple[float, bool | None]]()
         self.between = SHORTEST
         self.reweigh()
 
@@ -370,7 +375,7 @@ class Relaxation:
         """What it takes to go on, besides S, for JSON."""
         numbers = {name: getattr(self, name) for name in CHECKPOINT_NUMBERS}
         arrays = {name: getattr(self, name).tolist() for name in ("mass", "inertia", "pressed")}
-        arrays["snaps"] = self.snaps
+        arrays["snaps"], arrays["unstable"] = self.snaps, self.unstable
         return {**numbers, **arrays, "done": self.runner.done, "functions": self.runner.functions.tolist()}
 
     def restore(self, state: Array, rows: NDArray[np.intp], checkpoint: Mapping[str, Any]) -> None:
@@ -381,6 +386,7 @@ class Relaxation:
         for name in ("mass", "inertia", "pressed"):
             setattr(self, name, np.array(checkpoint[name], dtype=float))
         self.snaps = [(start, end) for start, end in checkpoint.get("snaps", ())]
+        self.unstable = [(factor, state) for factor, state in checkpoint.get("unstable", ())]
         self.runner.done, self.runner.functions[:] = checkpoint["done"], checkpoint["functions"]
 
     def zero_velocities(self) -> None:
@@ -435,7 +441,7 @@ class Relaxation:
 
     def rounding(self, mass: Array) -> float:
         """Return the kinetic energy, and the sum of m dx^2, that is rounding."""
-        return float(dot(mass, np.square(np.where(self.turning, 1.0, self.size))) * (100.0 * NOISE * NOISE))
+        return float(dot(mass, np.square(self.scale)) * (100.0 * NOISE * NOISE))
 
     @property
     def kinetic_share(self) -> float:
@@ -447,8 +453,7 @@ class Relaxation:
         """Return the largest of the displacements (sizes of the mechanism) and turns (rad) of all free
         coordinates; these are the last axis of ``moved``.
         """
-        scale = np.where(self.turning, 1.0, self.size)
-        return np.asarray((np.abs(moved) / scale).max(axis=-1, initial=0.0))
+        return np.asarray((np.abs(moved) / self.scale).max(axis=-1, initial=0.0))
 
     def _damp(self, square: float) -> None:
         """Set the critical damping for a frequency from its estimated square (rad/iteration)^2; the frequency

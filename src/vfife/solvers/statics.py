@@ -20,6 +20,7 @@ from ..assembly.assembled import Assembly
 from ..kinematics.drives import constraint_drivers
 from ..model.mechanism import Settings
 from ..numerics.dense import times
+from .buckling import unstable
 from .interrupts import Interrupts
 from .record import Checkpoint, Record, Writer, lasting_rows, recorded_rows
 from .relaxation import Loading, Relaxation, extent
@@ -60,6 +61,7 @@ def equilibrium(
     progress: Callable[[Progress], None] | None = None,
     file: Writer | None = None,
     resume: Checkpoint | None = None,
+    examine: bool = True,
 ) -> Record:
     """Compute the equilibria under the load factors of the settings; output 0 is the start under factor 0,
     output k the equilibrium under factor k.
@@ -68,7 +70,7 @@ def equilibrium(
     accordingly), and the kinetic energy at most ``kinetic_energy`` times the largest so far. The status is
     "not converged" after more than ``iterations``, "diverged" if the mechanism runs away, and "interrupted"
     after Ctrl-C; the message names the load factor, and equilibria found before are kept. ``resume``, a
-    checkpoint of its ``file``, continues an analysis to the same bits.
+    checkpoint of its ``file``, continues an analysis to the same bits. ``examine``: the stability of each.
     """
     settings = assembly.mechanism.settings
     recorded, lasting = recorded_rows(assembly), lasting_rows(assembly.layout)
@@ -100,6 +102,8 @@ def equilibrium(
                     record.status, record.message = fault
                     break
                 stage.tell(at_once=True)
+                if examine:
+                    relaxation.unstable.append((factor, unstable(relaxation)))
                 rows.append(_at_rest(assembly, relaxation, stage)[recorded])
                 if file is not None:
                     wall = earlier + time.perf_counter() - began
@@ -112,7 +116,7 @@ def equilibrium(
     record.source, record.steps = np.array(rows), np.arange(len(rows), dtype=np.int64)
     record.wall, record.reached = earlier + time.perf_counter() - began, len(rows) - 1
     record.final = relaxation.state.copy() if record.status == Status.COMPLETE else None
-    record.snaps = tuple(relaxation.snaps)
+    record.snaps, record.unstable = tuple(relaxation.snaps), tuple(relaxation.unstable)
     if record.message and file is not None:
         file.event(len(rows) - 1, record.message)
     return record
