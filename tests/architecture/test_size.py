@@ -13,10 +13,10 @@ import pytest
 from architecture.size import Size, size_of, sizes, tokens
 
 LIMITS = Size(
-    files=511,
-    code=75_050,
-    tokens=759_500,
-    import_lines=7_300,
+    files=512,
+    code=75_130,
+    tokens=760_000,
+    import_lines=7_310,
     inner_imports=104,
     many_arguments=10,
     tuples=28,

@@ -271,6 +271,15 @@ def _span(effort: Json) -> str:
     return f"{turns} of {body}, {times}" if count else f"the second half of the run, {times}"
 
 
+def effort_texts(effort: Json) -> dict[str, tuple[float, str]]:
+    """Return value and text of each figure of a driver by its word; the part of the run has no value."""
+    keys = ("power", "rms", "largest", "low", "high")
+    return {"part": (0.0, _span(effort))} | {
+        word: (effort[key]["value"], f"{text.removeprefix(word).lstrip()} ({NOT_ESTIMATED})")
+        for key, (word, text, _) in zip(keys, _figures(effort), strict=True)
+    }
+
+
 def _figures(effort: Json) -> Iterator[tuple[str, str, str]]:
     """Yield word, text and what outputs miss of power, torque and speed."""
     word, unit, rate = ("force", "N", "m/s") if effort["linear"] else ("torque", "N m", "rad/s")
