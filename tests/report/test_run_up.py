@@ -14,9 +14,10 @@ import pytest
 import vfife
 from model_texts import FALLING, FLYWHEEL
 from vfife.modelfile import loads
-from vfife.report.document import Table
+from vfife.report.document import Paragraph, Table
 from vfife.report.front import conclusion, front_page, without_options
 from vfife.report.overview import certainty, heading_sentence
+from vfife.report.run import document
 from vfife.report.run_file import side_by_side
 from vfife.report.run_up import run_up_note
 from vfife.report.terminal import as_text
@@ -47,6 +48,9 @@ def test_a_run_up_from_rest_is_said_before_its_values() -> None:
     assert heading_sentence(summary).endswith("values of the whole run with the run-up")
     assert RUN_UP in certainty(summary) and RUN_UP in conclusion(summary)[0]
     assert titles(summary) == ["Whole run, with the run-up"]
+    long = document(summary)
+    leads = [part.text for part in long.parts[:3] if isinstance(part, Paragraph)]
+    assert summary["warnings"][0] in leads and as_text(long, 200).count(RUN_UP) == 1
     assert summary["warnings"][0] == f"{RUN_UP} The machine in operation: vfife run MODEL --start-from RUN."
     assert "operation is in a run that starts from its end." in without_options(summary["warnings"][0])
 

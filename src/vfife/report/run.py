@@ -34,6 +34,7 @@ from .digits import (
 )
 from .document import Caution, Document, Facts, Paragraph, Part, Table, grouped, paragraphs, quantities
 from .run_tables import blow_texts, noted, reaction, tables
+from .run_up import motor_sentence
 from .trust import missing_mesh_estimate, over_several_turns, trust_lines, turn_lines, verdict
 
 LEAST_WORK = 1e-6  # of the largest energy: less is rounding
@@ -72,6 +73,7 @@ def document(summary: Json, limit: int = FACTORS) -> Document:
         return Document([*title, *equilibria(summary, limit), *warnings])
     leading = verdict(summary)
     first = [summary["warnings"][fall["index"]]] if (fall := summary.get("start_fall")) else []
+    first.insert(0, motor_sentence(summary, remedy=True))
     title += paragraphs([leading, *first], style="alarm")
     notes = [Paragraph(text) for text in run["notes"]]
     body: list[Part] = [Facts(facts(summary)), *notes, *tables(summary), *paragraphs(footnotes(summary))]
