@@ -13,10 +13,10 @@ import pytest
 from architecture.size import Size, size_of, sizes, tokens
 
 LIMITS = Size(
-    files=513,
-    code=75_150,
-    tokens=760_300,
-    import_lines=7_310,
+    files=514,
+    code=75_400,
+    tokens=763_000,
+    import_lines=7_330,
     inner_imports=104,
     many_arguments=10,
     tuples=28,

@@ -57,6 +57,11 @@ FAULTS = {
         "[load.gas] interpolation",
         "monotone",
     ),
+    "some units": (
+        GAS + TABLE + 'force = ["40", "55 kN"]',
+        "[load.gas] force",
+        '1 of the values have no unit, others have one, as "55 kN"',
+    ),
     "unit": (GAS + TABLE + 'force = [1, "2 bar"]', "[load.gas] force", "a pressure"),
     "expression": (
         GAS + 'travels = [0.1, 0.2]\nexpression = "2*sine(x)"',

@@ -47,7 +47,7 @@ def test_a_file_means_what_it_says() -> None:
         ('speed = "10 rad/s"', drivers.ConstantSpeed(body="crank", speed=10.0)),
         ('speed = 10\nramp = "20 ms"', drivers.Ramp(body="crank", speed=10.0, duration=0.02)),
         (
-            'times = [0, "10 ms", 0.03]\nangles = [0, "90 deg", 2]',
+            'times = [0, "10 ms", "0.03 s"]\nangles = [0, "90 deg", "2 rad"]',
             drivers.AngleTable(body="crank", times=(0.0, 0.01, 0.03), values=(0.0, math.pi / 2, 2.0)),
         ),
         ('torque = "-5 N m"', drivers.Torque(body="crank", value=-5.0)),

@@ -54,10 +54,13 @@ class Effort(TypedDict):
     """Figures of a driver: ``work`` (J) of the whole run; from the time ``begin`` on to ``end`` (s), which
     are the last ``turns`` of a ``body`` if there is one, mean ``power`` (W), ``rms`` and ``largest`` torque
     (N m) or force (N), and the least and largest speed ``low`` and ``high`` (rad/s or m/s) in the direction
-    in which it goes on the whole. ``linear``: whether it acts along a line.
+    in which it goes on the whole; ``start`` is that speed at the first output. ``linear``: whether it acts
+    along a line; ``curve``: whether it is a function of speed, as that of a motor.
     """
 
     linear: bool
+    curve: bool
+    start: float
     begin: float
     end: float
     turns: int
@@ -162,6 +165,8 @@ def _figures(record: Record, action: Action, driver: Driver, span: Span) -> Effo
     bend = _bend(speed[part])
     return Effort(
         linear=driver.is_linear,
+        curve=action.argument[0] == SPEED,
+        start=float(way * speed[0]),
         begin=float(time[span.first]),
         end=float(time[-1]),
         turns=span.turns,

@@ -38,6 +38,7 @@ from .damping_cautions import (
 from .design_words import and_words
 from .divergence import FLOOR, soft_contact
 from .document import grouped
+from .run_up import jump_caution
 
 if TYPE_CHECKING:
     from ..laws import Material
@@ -93,6 +94,8 @@ def transient_cautions(result: RunData, verdict: str, of_laws: Iterable[str]) ->
         soft = soft_contact(record)
         yield f"{soft[0].upper()}{soft[1:]}" if soft else sentence.format(time=float(result.time[-1]))
     yield from rest_cautions(record)
+    if joints := getattr(result, "arguments", {}).get("jumps"):
+        yield jump_caution(joints)
     yield from cycle_cautions(result)
     yield from curve_cautions(record)
     if choice.step > choice.stable:

@@ -20,8 +20,9 @@ from .design_words import and_words, or_words
 from .digits import CERTAIN, Json, ideal_force_text, is_undetermined, turns_text, uncertainty
 from .document import Element, Facts, Paragraph, Part, Section, Table
 from .noise import blow, hardest_joints, knock_speed, rivals
-from .overview import certainty, clearance_note, has_fall, interrupted_length, joint_table
+from .overview import certainty, certainty_leads, clearance_note, interrupted_length, joint_table
 from .run_tables import NONE_BEGAN, force_text, influence_text, knock_texts, may_not_knock
+from .run_up import WITH_RUN_UP, run_ups
 
 LARGEST_LOGO = 1_000_000  # bytes
 PICTURES = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}
@@ -56,6 +57,7 @@ OPTIONS: dict[str, str | Callable[[re.Match[str]], str]] = {
         r"compare contact.\1 in these joints"
     ),
     r"compare --set \S+\.elements=\d+(?: --set \S+\.elements=\d+)*": "compare twice the elements",
+    r"operation: vfife run MODEL --start-from RUN": "operation is in a run that starts from its end",
     r" \(--long\)": "",
     r"more: --long": "more",
     r"run it with --turns (\d+) --settle 1%": r"run up to \1 turns, or until they repeat within 1 %",
@@ -107,9 +109,9 @@ def front_page(summary: Json, picture: Part | None) -> Section:
     """Picture, conclusion and table of a run."""
     texts = [Paragraph(text) for text in conclusion(summary)]
     table = joint_table(summary) if "joints" in summary else Table((), ())
-    table = dataclasses.replace(
-        table, rows=[tuple(map(without_options, map(str, row))) for row in table.rows]
-    )
+    rows = [tuple(map(without_options, map(str, row))) for row in table.rows]
+    title = f"Whole run, {WITH_RUN_UP}" if run_ups(summary) else ""
+    table = dataclasses.replace(table, rows=rows, title=title)
     parts = [*([picture] if picture else []), *texts, *([table] if table.rows else [])]
     parts += clearance_note(summary) if table.rows else []
     return Section("Conclusion", parts)
@@ -117,7 +119,7 @@ def front_page(summary: Json, picture: Part | None) -> Section:
 
 def conclusion(summary: Json) -> list[str]:
     """Return sentences on the cost of clearance, the joint that differs most, the joints that knock, and how
-    certain the numbers are; this first where the largest forces are those of the fall at the start.
+    certain the numbers are; this first where values are those of a fall at the start or of a run-up.
     """
     if summary["run"].get("analysis") == "static":
         run = summary["run"]
@@ -125,7 +127,7 @@ def conclusion(summary: Json) -> list[str]:
     certain, length = without_options(certainty(summary)), interrupted_length(summary)
     part = f"The run was interrupted after {length}; all values are of that part." if length else ""
     texts = [_cost(summary), _joint(summary), _knocks(summary)]
-    texts = [certain, *texts] if has_fall(summary) else [*texts, certain]
+    texts = [certain, *texts] if certainty_leads(summary) else [*texts, certain]
     return [text for text in (part, *texts) if text]
 
 

@@ -57,6 +57,7 @@ from .run_tables import (
     noted,
     of_contacts,
 )
+from .run_up import WITH_RUN_UP, motor_sentence, run_ups
 from .trust import (
     FAILURES,
     LEAST_DISTANCE,
@@ -98,7 +99,7 @@ def overview(summary: Json) -> Document:
         return document(summary, MOST_FACTORS)
     parts: list[Part] = [Paragraph(heading_sentence(summary), style="strong")]
     parts += paragraphs(
-        [certainty(summary)], style="alarm" if uncertain(summary) or has_fall(summary) else "good"
+        [certainty(summary)], style="alarm" if uncertain(summary) or certainty_leads(summary) else "good"
     )
     table = joint_table(summary)
     parts += [table] if table.rows else []
@@ -129,6 +130,7 @@ def heading_sentence(summary: Json) -> str:
     part = "means over turns" if over_several_turns(summary["turns"]) else f"values of the {summary['part']}"
     period = (summary["turns"] or {}).get("period") or 1
     part = f"period {period} · {part}" if period > 1 else part
+    part += f" {WITH_RUN_UP}" if run_ups(summary) else ""
     return " · ".join(filter(None, [name, *speeds, length, contact_counts(summary), part, *ending]))
 
 
@@ -191,7 +193,13 @@ def certainty(summary: Json) -> str:
     numerical = [settling_sentence(summary), _from_its_start(summary, _with_meshes(summary))]
     if numerical[1].startswith(STEPS_DECIDE):
         numerical.reverse()
-    sentences = [fall_sentence(summary), *numerical, law_sentence(summary), period_sentence(summary)]
+    sentences = [
+        motor_sentence(summary),
+        fall_sentence(summary),
+        *numerical,
+        law_sentence(summary),
+        period_sentence(summary),
+    ]
     if without_turns(summary):
         sentences.append(
             f"{UNCOMPARED[0].upper()}{UNCOMPARED[1:]}: all values are those of the last turn alone."
@@ -202,6 +210,11 @@ def certainty(summary: Json) -> str:
 def has_fall(summary: Json) -> bool:
     """Return whether the largest forces are those of the fall of journals at the start."""
     return bool(summary.get("start_fall")) and summary["status"] not in FAILURES
+
+
+def certainty_leads(summary: Json) -> bool:
+    """Return whether values are not those of the machine in operation, which is said before them."""
+    return has_fall(summary) or bool(motor_sentence(summary))
 
 
 def fall_sentence(summary: Json) -> str:

@@ -34,6 +34,7 @@ from .digits import (
 )
 from .document import Caution, Document, Facts, Paragraph, Part, Table, grouped, paragraphs, quantities
 from .run_tables import blow_texts, noted, reaction, tables
+from .run_up import motor_sentence
 from .trust import missing_mesh_estimate, over_several_turns, trust_lines, turn_lines, verdict
 
 LEAST_WORK = 1e-6  # of the largest energy: less is rounding
@@ -72,6 +73,7 @@ def document(summary: Json, limit: int = FACTORS) -> Document:
         return Document([*title, *equilibria(summary, limit), *warnings])
     leading = verdict(summary)
     first = [summary["warnings"][fall["index"]]] if (fall := summary.get("start_fall")) else []
+    first.insert(0, motor_sentence(summary, remedy=True))
     title += paragraphs([leading, *first], style="alarm")
     notes = [Paragraph(text) for text in run["notes"]]
     body: list[Part] = [Facts(facts(summary)), *notes, *tables(summary), *paragraphs(footnotes(summary))]
@@ -269,6 +271,15 @@ def _span(effort: Json) -> str:
     count, body = effort["turns"], effort["body"]
     turns = f"the last {count} turns" if count > 1 else "the last turn"
     return f"{turns} of {body}, {times}" if count else f"the second half of the run, {times}"
+
+
+def effort_texts(effort: Json) -> dict[str, tuple[float, str]]:
+    """Return value and text of each figure of a driver by its word; the part of the run has no value."""
+    keys = ("power", "rms", "largest", "low", "high")
+    return {"part": (0.0, _span(effort))} | {
+        word: (effort[key]["value"], f"{text.removeprefix(word).lstrip()} ({NOT_ESTIMATED})")
+        for key, (word, text, _) in zip(keys, _figures(effort), strict=True)
+    }
 
 
 def _figures(effort: Json) -> Iterator[tuple[str, str, str]]:

@@ -20,7 +20,9 @@ from .digits import Json, is_about_zero, is_estimated, is_undetermined, plain_nu
 from .document import Caution, Document, Facts, Paragraph, Part, Table, grouped
 from .noise import knock_speed
 from .overview import NOT_COMPUTED, cautions, certainty, has_fall, heading_sentence, moment_texts, overview
+from .run import effort_texts
 from .run_tables import force_text, knock_texts, lacks_friction, mean_text, of_contacts
+from .run_up import run_up_note
 
 if TYPE_CHECKING:
     from ..measures.contacts import Impact, Impacts
@@ -234,14 +236,14 @@ def side_by_side(summaries: Mapping[str, Json], inputs: Sequence[tuple[str, list
         for label, summary in summaries.items()
         for k, text in enumerate((heading_sentence(summary), certainty(summary)))
     ]
-    numbers = range(1, len(heads) + 1)
+    numbers, note = range(1, len(heads) + 1), run_up_note(summaries)
     parts: list[Part] = [
         Facts(facts),
-        Table(("joint", *heads), forces, "Largest forces", numbers=numbers, names=(0,)),
+        Table(("joint", *heads), forces, "Largest forces", numbers=numbers, names=(0,), note=note),
     ]
     if drives:
         title = "Knocks, friction and drives"
-        parts.append(Table(("of", *heads), drives, title, numbers=numbers, names=(0,)))
+        parts.append(Table(("of", *heads), drives, title, numbers=numbers, names=(0,), note=note))
     rows = [(name, *values) for name, values in inputs]
     if (left := len(rows) - MOST_INPUTS) > 0:
         rows[MOST_INPUTS:] = [(f"{left} more", *[""] * len(names))]
@@ -301,7 +303,21 @@ def _other_rows(summaries: Mapping[str, Json]) -> list[tuple[str, ...]]:
         for label, measure, text in _drives(runs)
         if any(measure in summary["measures"] for summary in runs)
     ]
-    return rows
+    return rows + list(_effort_rows(runs))
+
+
+def _effort_rows(runs: Sequence[Json]) -> Iterator[tuple[str, ...]]:
+    """Yield the rows of drivers that apply a torque or force: the part of each run, and the figures in it."""
+    for name in dict.fromkeys(name for summary in runs for name in summary.get("efforts", {})):
+        efforts = [summary.get("efforts", {}).get(name) for summary in runs]
+        texts = [effort_texts(effort) if effort else {} for effort in efforts]
+        for word in dict.fromkeys(word for figures in texts for word in figures):
+            cells = [f"{name}, {word}"]
+            for figures in texts:
+                (value, text), (first, _) = (part.get(word, (0.0, "-")) for part in (figures, texts[0]))
+                change = percent(100.0 * (value - first) / abs(first)) if value and first else ""
+                cells += [text, change]
+            yield (*cells[:2], *cells[3:])
 
 
 def _drives(runs: Sequence[Json]) -> Iterator[tuple[str, str, Text]]:
@@ -435,8 +451,8 @@ def _ends(summary: Json, measure: str) -> tuple[float, float]:
 
 def _data(summary: Json) -> Json:
     """Return model, part and the measures of the tables with their ranges, in SI units; the knocks in the
-    turns of the measures by contact; of a run whose largest forces are those of the fall at its start also
-    ``start_fall``, see the summary.
+    turns of the measures by contact; the figures of drivers that apply a torque or force; of a run whose
+    largest forces are those of the fall at its start also ``start_fall``, see the summary.
     """
     endings = ("force.max", "moment.max", "friction_power.mean")
     names = [f"{joint}.{kind}" for joint in summary["joints"] for kind in endings]
@@ -452,5 +468,6 @@ def _data(summary: Json) -> Json:
             if name in summary["measures"]
         },
         "knocks": summary.get("knocks", {}),
+        "efforts": summary.get("efforts", {}),
         **({"start_fall": summary["start_fall"]} if has_fall(summary) else {}),
     }

@@ -34,6 +34,7 @@ from .cautions import largest_by_joint, law_cautions, transient_cautions, usual_
 from .dead_centres import dead_centres
 from .fall_cautions import fall_caution, fall_of
 from .freedom import freedom_left
+from .run_up import motor_sentence
 from .static_cautions import static_cautions
 from .trust import over_several_turns, trust_summary, turns_summary, verdict
 
@@ -91,6 +92,8 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
     leading = (
         "" if static else verdict({"trust": trust, "measures": measures, "ranges": ranges, "turns": turns})
     )
+    energies = _energies(result)
+    motors = {"status": record.status, "part": result.measures.part, **energies}
     return {
         "status": record.status,
         "step": choice.step,
@@ -100,13 +103,13 @@ def run_summary(result: RunData, reference: RunData | None = None) -> Json:
         "energy_error": None if static else result.ledger.error,
         "model": _model(result, measures, ideal),
         "run": _static_run(result) if static else _transient_run(result),
-        **_energies(result),
+        **energies,
         "joints": _joints(result, measures, ideal),
         "contacts": {name: _numbers(measures, name, CONTACT_KEYS) for name in record.assembly.contacts},
         "lip": lips(measures),
         "laws": _laws(result),
         "surfaces": _wearing_bodies(result),
-        **_cautions(result, leading),
+        **_cautions(result, leading, motor_sentence(motors, remedy=True)),
         "ground": _ground(result),
         "knocks": _knocks(result),
         "blows": _blows(result, reference),
@@ -144,15 +147,15 @@ def _energies(result: RunData) -> Json:
     return {"energy": energy, **({"efforts": figures} if figures else {})}
 
 
-def _cautions(result: RunData, leading: str) -> Json:
-    """Warnings, and with the index of their warning the joints whose forces depend more on the contact law
-    than on the step (``law_dependent``), those whose shocks depend on both (``law_shocks``), the measures of
-    all that shocks load (``law_loads``), and the fall at the start.
+def _cautions(result: RunData, leading: str, of_motors: str) -> Json:
+    """Warnings, that ``of_motors`` first, and with the index of their warning the joints whose forces depend
+    more on the contact law than on the step (``law_dependent``), those whose shocks depend on both
+    (``law_shocks``), the measures of all that shocks load (``law_loads``), and the fall at the start.
     """
     if result.record.static:
         return {"warnings": list(static_cautions(result)), "law_dependent": {}}
     of_laws = law_cautions(result)
-    warnings = list(transient_cautions(result, leading, of_laws.texts))
+    warnings = [*filter(None, [of_motors]), *transient_cautions(result, leading, of_laws.texts)]
     entry = {}
     if fall := fall_of(result):
         assembly = result.record.assembly

@@ -15,6 +15,7 @@ from .parts import SCALAR
 from .values import Choice, Measure, Switch, Text, Value
 
 Field = dataclasses.Field[Any]
+MOST_BARE = 3  # values without a unit that a fault lists
 # A unit such as N/m^n is known only once a law has its exponent: such a parameter is a bare number in SI
 # units.
 SYMBOLIC = re.compile(r"\^\(?-?[a-z]")
@@ -170,6 +171,19 @@ class Reader:
     def refuse(self, path: Path, problem: str, value: str = "", limit: str = "", remedy: str = "") -> None:
         """Add a fault about the value at a path."""
         self.add(Fault(path, problem, value, limit, remedy))
+
+    def same_units(self, values: Iterable[Any], path: Path, unit: str) -> None:
+        """Report valid values of a list that have no unit where others have one; 0 needs none."""
+        written = [value for value in values if contains_unit(value)]
+        bare = [shown(value) for value in values if not contains_unit(value) and float(value) != 0.0]
+        if unit != "1" and written and bare:
+            self.refuse(
+                path,
+                f"{len(bare)} of the values have no unit, others have one, as {shown(written[0])}",
+                ", ".join(bare[:MOST_BARE]) + ", ..." * (len(bare) > MOST_BARE),
+                "a unit at each value but 0, or at none",
+                f"write the unit; without one a value is in {unit}",
+            )
 
     def unexpected(self, path: Path, value: Any, limit: str, remedy: str) -> None:
         """Report a value of another type than ``limit``."""

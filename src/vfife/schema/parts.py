@@ -94,6 +94,8 @@ class FreeList(Value):
             by.unexpected(path, value, *A_LIST)
             return None
         parts = tuple(self.part.read(entry, (*path, k), by) for k, entry in enumerate(value))
+        if isinstance(self.part, Measure) and not any_none(parts):
+            by.same_units(value, path, self.part.unit)
         return parts if isinstance(self.part, Inner) or not any_none(parts) else None
 
     def json(self) -> Json:

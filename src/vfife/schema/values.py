@@ -77,11 +77,10 @@ class Measure(Value):
     def read(self, value: Any, path: Path, by: Reader) -> Any:
         """Return an SI value, a word, or a tuple of values."""
         if self.series and is_list(value):
-            return (
-                None
-                if any_none(parts := [Value.read(self, entry, path, by) for entry in value])
-                else tuple(parts)
-            )
+            if any_none(parts := [Value.read(self, entry, path, by) for entry in value]):
+                return None
+            by.same_units(value, path, self.unit)
+            return tuple(parts)
         return super().read(value, path, by)
 
     def take(self, value: Any, written: bool) -> Any:

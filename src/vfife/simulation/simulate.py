@@ -49,6 +49,7 @@ from .start import (
     Span,
     StartFrom,
     StaticStart,
+    changed_clearances,
     expected_forces,
     former_errors,
     ideal_of,
@@ -305,6 +306,7 @@ def prepare(
     description = {**length, "started": former is not None, "sources": sources_of_the_step().decode()}
     if isinstance(former, Result):
         description["former"] = former_errors(former, assembly)
+        description["jumps"] = changed_clearances(former, mechanism)
     return Prepared(assembly, ideal, spec.loop, begin, companions, refined, description)
 
 

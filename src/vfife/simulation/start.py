@@ -254,6 +254,19 @@ def former_errors(former: Result, assembly: Assembly) -> dict[str, Any]:
     return {**worst, "included": False}
 
 
+def changed_clearances(former: Result, mechanism: Mechanism) -> list[str]:
+    """Return the joints of a ``mechanism`` whose clearance is not that of the run from which it goes on."""
+    clearances = {
+        name: getattr(joint, "clearance", None)
+        for name, joint in former.record.assembly.mechanism.contacts.items()
+    }
+    return [
+        name
+        for name, joint in mechanism.contacts.items()
+        if name in clearances and getattr(joint, "clearance", None) != clearances[name]
+    ]
+
+
 def with_outlook(assembly: Assembly, prospect: Outlook) -> Assembly:
     """Return an assembly with the notes and cautions of the outlook of its motion."""
     notes = (*assembly.notes, *prospect.notes)
