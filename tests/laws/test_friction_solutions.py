@@ -77,10 +77,14 @@ def test_karnopp_slides_outside_its_band_and_stops_inside(normal, free, mobility
     shape=st.floats(0.5, 3.0), viscous=st.floats(0.0, 10.0),
 )  # fmt: skip
 def test_stribeck_solves_its_relation(normal, free, mobility, last, before, shape, viscous):
-    """Static and kinetic part at the extrapolated speed, sign and viscous part at the speed that is left."""
+    """Static and kinetic part at the extrapolated speed, sign and viscous part at the speed that is left;
+    static friction for what stopped or turned round.
+    """
     law = Stribeck(coefficient=0.1, static_coefficient=0.2, stribeck_speed=2e-3, shape=shape, viscous=viscous)
     force, (left, kept) = law.force(normal, free, mobility, (last, before), 1e-6, law.parameters(PAIR))
-    limit = 0.1 + 0.1 * math.exp(-((abs(1.5 * last - 0.5 * before) / 2e-3) ** shape))
+    way = math.copysign(1.0, free - mobility * 0.5 * viscous * normal * last)
+    ahead = max(way * (1.5 * last - 0.5 * before), 0.0) if way * last > 0.0 else 0.0
+    limit = 0.1 + 0.1 * math.exp(-((ahead / 2e-3) ** shape))
     rest = force / normal + viscous * 0.5 * (last + left)
     assert kept == last
     size = limit + viscous * (abs(last) + abs(left)) + abs(free) / (mobility * normal)
@@ -151,10 +155,13 @@ def test_a_block_that_slides_stops_and_rests(law):
     assert speeds[-1] == 0.0 and (speeds >= 0.0).all()
 
 
-HOLDING = [Karnopp(coefficient=0.1, static_coefficient=0.15, band=band) for band in (0.0, 1e-9, 1e-4, 1e-3)]
+HOLDING = [
+    *(Karnopp(coefficient=0.1, static_coefficient=0.15, band=band) for band in (0.0, 1e-9, 1e-4, 1e-3)),
+    *(Stribeck(coefficient=0.1, static_coefficient=0.15, stribeck_speed=v) for v in (1e-6, 1e-4, 1e-3)),
+]
 
 
-@pytest.mark.parametrize("law", HOLDING, ids=lambda law: f"{law.name} {law.parameters(PAIR)[2]:g}")
+@pytest.mark.parametrize("law", HOLDING, ids=lambda law: f"{law.name} {law.parameters(PAIR)[2]:.2g}")
 @pytest.mark.parametrize("dt", [1e-3, 1e-5])
 @pytest.mark.parametrize("start", [0.0, 0.1, 0.10173])
 def test_static_friction_holds_for_any_band_and_step(law, dt, start):
