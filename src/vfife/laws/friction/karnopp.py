@@ -14,9 +14,10 @@ class Karnopp(StaticFriction):
     The source takes the velocity for zero inside the band and lets friction cancel what else acts there. Here
     the force is the one that makes it zero. Within one step the law has two solutions where mu_s F_N would
     leave the velocity in the band and mu_c F_N outside it. The last two velocities decide: mu_c F_N resists
-    what slid that way beyond the band in both, mu_s F_N the rest. So mu_s F_N holds for any band and step,
-    also where the sliding turns round, and slow sliding meets mu_c F_N. Two, because the contacts of a body
-    are solved in turn: a jump of its load passes one, for a step, until the next ones take their share.
+    what slid that way beyond the band in both, mu_s F_N the rest. So mu_s F_N of one contact holds for any
+    band and step, also where the sliding turns round, and slow sliding meets mu_c F_N. Two, because the
+    contacts of a body are solved in turn: a jump of its load passes the first, for a step, until the next
+    ones take their share.
     """
 
     name = "karnopp"
