@@ -48,15 +48,25 @@ def test_coulomb_sticks_or_slides(mu, normal, free, mobility):
 
 
 @settings(deadline=None, max_examples=often(500))
-@given(normal=positive, free=st.floats(-0.1, 0.1), mobility=st.floats(1e-9, 1e-3), band=st.floats(0.0, 1e-2))
-def test_karnopp_slides_outside_its_band_and_stops_inside(normal, free, mobility, band):
+@given(
+    normal=positive, free=st.floats(-0.1, 0.1), mobility=st.floats(1e-9, 1e-3), band=st.floats(0.0, 1e-2),
+    last=st.just(0.0) | st.floats(-0.1, 0.1), before=st.just(0.0) | st.floats(-0.1, 0.1),
+)  # fmt: skip
+def test_karnopp_slides_outside_its_band_and_stops_inside(normal, free, mobility, band, last, before):
+    """Kinetic friction resists what slid the same way beyond the band for two steps, static friction the
+    rest; what either would leave in the band is stopped.
+    """
     law = Karnopp(coefficient=0.2, static_coefficient=0.3, band=band)
-    force, _ = law.force(normal, free, mobility, 0.0, 1e-6, law.parameters(PAIR))
+    force, (kept, shifted) = law.force(normal, free, mobility, (last, before), 1e-6, law.parameters(PAIR))
     left = free + mobility * force
-    if abs(force) == pytest.approx(0.2 * normal, rel=1e-15) and abs(left) > band * (1 - 1e-12):
-        assert force * free < 0.0
+    slid = all(v * free > 0.0 and abs(v) > band for v in (last, before))
+    limit = (0.2 if slid else 0.3) * normal
+    assert shifted == last
+    if abs(free) - mobility * limit > band:
+        assert force == pytest.approx(-math.copysign(limit, free), rel=1e-15)
+        assert kept == left and abs(left) > band * (1 - 1e-12)
     else:
-        assert abs(force) <= 0.3 * normal
+        assert kept == 0.0 and abs(force) <= 0.3 * normal
         assert abs(left) <= 1e-15 * abs(free) or abs(force) == pytest.approx(0.3 * normal, rel=1e-15)
 
 
@@ -67,10 +77,14 @@ def test_karnopp_slides_outside_its_band_and_stops_inside(normal, free, mobility
     shape=st.floats(0.5, 3.0), viscous=st.floats(0.0, 10.0),
 )  # fmt: skip
 def test_stribeck_solves_its_relation(normal, free, mobility, last, before, shape, viscous):
-    """Static and kinetic part at the extrapolated speed, sign and viscous part at the speed that is left."""
+    """Static and kinetic part at the extrapolated speed, sign and viscous part at the speed that is left;
+    static friction for what stopped or turned round.
+    """
     law = Stribeck(coefficient=0.1, static_coefficient=0.2, stribeck_speed=2e-3, shape=shape, viscous=viscous)
     force, (left, kept) = law.force(normal, free, mobility, (last, before), 1e-6, law.parameters(PAIR))
-    limit = 0.1 + 0.1 * math.exp(-((abs(1.5 * last - 0.5 * before) / 2e-3) ** shape))
+    way = math.copysign(1.0, free - mobility * 0.5 * viscous * normal * last)
+    ahead = max(way * (1.5 * last - 0.5 * before), 0.0) if way * last > 0.0 else 0.0
+    limit = 0.1 + 0.1 * math.exp(-((ahead / 2e-3) ** shape))
     rest = force / normal + viscous * 0.5 * (last + left)
     assert kept == last
     size = limit + viscous * (abs(last) + abs(left)) + abs(free) / (mobility * normal)
@@ -141,6 +155,49 @@ def test_a_block_that_slides_stops_and_rests(law):
     assert speeds[-1] == 0.0 and (speeds >= 0.0).all()
 
 
+HOLDING = [
+    *(Karnopp(coefficient=0.1, static_coefficient=0.15, band=band) for band in (0.0, 1e-9, 1e-4, 1e-3)),
+    *(Stribeck(coefficient=0.1, static_coefficient=0.15, stribeck_speed=v) for v in (1e-6, 1e-4, 1e-3)),
+]
+
+
+@pytest.mark.parametrize("law", HOLDING, ids=lambda law: f"{law.name} {law.parameters(PAIR)[2]:.2g}")
+@pytest.mark.parametrize("dt", [1e-3, 1e-5])
+@pytest.mark.parametrize("start", [0.0, 0.1, 0.10173])
+def test_static_friction_holds_for_any_band_and_step(law, dt, start):
+    """A push between kinetic and static friction moves nothing at rest and does not drag back what it stops;
+    a push beyond static friction moves it, against kinetic friction.
+    """
+    speeds = block(law, 1000 if dt > 1e-4 else 20_000, dt, start, -1.4, normal=10.0, sliding=start > 0.0)
+    assert np.abs(speeds[-100:]).max() < 1e-15 and speeds.min() > -1e-15
+    speeds = block(law, 100, 1e-2, 0.0, -1.6, normal=10.0)
+    assert np.diff(speeds)[4:] == pytest.approx(-0.6 * 1e-2, rel=1e-9)
+
+
+@pytest.mark.parametrize("band", [0.0, 1e-6, 1e-4, 1e-2])
+def test_karnopp_block_on_a_belt_sticks_and_slips(band):
+    """Static friction acts until the speed leaves the band, kinetic friction until the block has the belt's
+    speed again: swing about the place where kinetic friction balances the spring.
+    """
+    normal, belt, stiffness = 981.0, 1.0, 1e4
+    law = Karnopp(coefficient=0.2, static_coefficient=0.3, band=band)
+    root, lead = math.sqrt(stiffness), 1.0 - band / belt
+    start = 0.3 * normal / stiffness + belt / root * math.sqrt(1.0 - lead * lead)
+    middle = 0.2 * normal / stiffness
+    swing = math.hypot(start - middle, (belt - band) / root)
+    for dt in (4e-5, 1e-5):
+        p, v, memory, place, places = law.parameters(PAIR), 0.0, (0.0, 0.0), 0.0, []
+        for _ in range(round(0.3 / dt)):
+            pull = -stiffness * place
+            force, memory = law.force(normal, v - belt + dt * pull, dt, memory, dt, p)
+            v += dt * (pull + force)
+            place += dt * v
+            places.append(place)
+        late = np.array(places)[round(0.1 / dt) :]
+        assert late.max() == pytest.approx(middle + swing, abs=3.0 * belt * dt)
+        assert late.min() == pytest.approx(middle - swing, abs=3.0 * belt * dt)
+
+
 def test_stribeck_curve_converges_to_its_differential_equation():
     """A block slowed down through the Stribeck curve: second order, while an implicit half-step value would
     have the first.
@@ -165,7 +222,8 @@ def test_karnopp_band_ends_at_its_speed(share, coefficient):
     """Nothing moves (mobility 0): static friction inside, kinetic friction outside."""
     law = Karnopp(coefficient=0.2, static_coefficient=0.3, band=1e-3)
     for sign in (1.0, -1.0):
-        force, _ = law.force(500.0, sign * share * 1e-3, 0.0, 0.0, 1e-6, law.parameters(PAIR))
+        speed = sign * share * 1e-3
+        force, _ = law.force(500.0, speed, 0.0, (speed, speed), 1e-6, law.parameters(PAIR))
         assert force == pytest.approx(-sign * coefficient * 500.0, rel=1e-15)
 
 

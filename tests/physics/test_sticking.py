@@ -23,6 +23,7 @@ CONTACT = LankaraniNikravesh(restitution=0.5, stiffness=STIFFNESS)
 STICKING = [
     Coulomb(coefficient=0.3),
     Karnopp(coefficient=0.2, static_coefficient=0.3, band=1e-4),
+    Karnopp(coefficient=0.2, static_coefficient=0.3, band=1e-9),
     Stribeck(coefficient=0.2, static_coefficient=0.3),
 ]
 each_law = pytest.mark.parametrize("law", STICKING, ids=lambda law: law.name)

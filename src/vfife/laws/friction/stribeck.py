@@ -17,7 +17,8 @@ class Stribeck(StaticFriction):
     Viscous friction is given per unit of normal force (s/m), so that it goes with it. A curve that falls with
     the velocity has several solutions within one step once (mu_s - mu_c) F_N mobility > 1.17 v_S (d = 2). The
     falling part is therefore taken at the speed at t_n that the last two half-step velocities extrapolate to
-    (second order); sign and viscous part are solved with the velocity that they cause.
+    (second order); sign and viscous part are solved with the velocity that they cause. What stopped or turned
+    round in the step before has static friction.
     """
 
     name = "stribeck"
@@ -58,11 +59,13 @@ class Stribeck(StaticFriction):
         """Friction force (N) and the last two sliding velocities (m/s)."""
         coefficient, excess, inverse_speed, shape, viscous = p
         last, earlier = memory
-        ratio = abs(1.5 * last - 0.5 * earlier) * inverse_speed
-        ratio = 1e6 if ratio > 1e6 else ratio
-        share = coefficient + excess * (1.0 - approach(power(ratio, shape)))
         half = 0.5 * viscous * normal_force
         left = free_velocity - mobility * half * last
+        sign = 1.0 if left > 0.0 else -1.0
+        ratio = sign * (1.5 * last - 0.5 * earlier) * inverse_speed if sign * last > 0.0 else 0.0
+        ratio = 1e6 if ratio > 1e6 else ratio
+        ratio = 0.0 if ratio < 0.0 else ratio
+        share = coefficient + excess * (1.0 - approach(power(ratio, shape)))
         limit = share * normal_force
         reach = abs(left) - mobility * limit
         speed = reach / (1.0 + mobility * half)
