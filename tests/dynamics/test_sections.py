@@ -16,6 +16,7 @@ from vfife.dynamics.start_states import StartStates
 from vfife.errors import ModelError, VfifeError
 from vfife.laws import Ambrosio, Frictionless, LankaraniNikravesh
 from vfife.modelfile import load
+from vfife.report.dynamics import document
 from vfife.simulation.turn_steps import with_steps
 from vfife.solvers.impact_section import COLUMNS, ImpactSection
 from vfife.solvers.turn_runner import TurnRunner, restepped
@@ -287,6 +288,15 @@ def test_a_section_stopped_in_its_discarded_turns_is_shown(tmp_path, monkeypatch
 def test_an_unknown_series_has_the_names_of_its_body() -> None:
     with pytest.raises(ModelError, match=r"Name one of ball\.x, ball\.y, .*ball\.u, ball\.v"):
         poincare_section(billiard(0.0), turns=3, series=["ball.velocity_x"])
+
+
+def test_a_load_that_ends_with_the_first_turn_is_a_caution() -> None:
+    m = billiard(0.0)
+    m.moment(
+        "push", "ball.center", moment=1e-6, expression="angle", crank=next(iter(m.drivers.values())).body
+    )
+    text = str(document(poincare_section(m, turns=3, step=1e-5)))
+    assert "keeps its last value in all later turns" in text
 
 
 def test_a_coefficient_of_zero_is_no_friction() -> None:

@@ -201,3 +201,23 @@ def test_a_pressure_over_travel_that_pushes_to_its_peak_or_is_not_reached_is_cau
     m.guide_force("gas", "cylinder", travels=["-46 mm", "0 mm"], bore="65 mm", ambient="1 bar", **load)
     notes = [note for note in outlook(m).notes if "load gas" in note]
     assert len(notes) == bool(words) and all(words in note for note in notes), notes
+
+
+@pytest.mark.parametrize(("longer", "has_note"), [(0.0, False), (1e-4, False), (2e-3, True), (-2e-3, True)])
+def test_a_gas_of_another_rod_has_a_caution_with_the_travel_of_its_own(longer: float, has_note: bool) -> None:
+    """The dead centre moves by the change of the rod's length, and with it zero_travel."""
+
+    def gas(zero: float) -> list[str]:
+        m = slider_crank(0.3)
+        m.bodies["rod"] = replace(m.bodies["rod"], length=ROD + longer)
+        m.guide_force(
+            "gas", "guide", pressure=[8e5, 3e5, 1e5], travels=[-2 * CRANK, -CRANK, 0.0], bore="50 mm",
+            reverse=True, zero_travel=zero,
+        )  # fmt: skip
+        return [text for text in m.check().notes if "another stroke or link" in text]
+
+    place = ROD - CRANK
+    wrong, right = gas(place + 2 * CRANK), gas(place + longer + 2 * CRANK)
+    assert bool(wrong) == has_note and not right
+    if has_note:
+        assert f"zero_travel = '{1e3 * (place + longer + 2 * CRANK):.6g} mm'" in wrong[0]

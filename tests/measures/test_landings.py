@@ -86,6 +86,15 @@ def test_a_lasting_contact_is_cautioned_about_where_its_law_remembers(settled: R
     assert caution in settled.summary["warnings"]
 
 
+def test_a_journal_that_starts_seated_never_lands_and_has_the_caution() -> None:
+    """Its damping is divided by the floor of the impact speed, which no number of the run shows."""
+    m = machine()
+    m.start = dataclasses.replace(m.start, journals="seated")
+    result = vfife.simulate(m, turns=6, reference=False, companions=0)
+    assert result.measures["pin.impacts"] == 0 and lasting_landings(result.record) == ["pin"]
+    assert any(MEMORY in text and "impact_speed_floor" in text for text in result.summary["warnings"])
+
+
 @pytest.mark.parametrize(
     "law", [KelvinVoigt(stiffness=1e8, damping_coefficient=2e3), LankaraniNikravesh(restitution=1.0)]
 )

@@ -2,6 +2,8 @@
 model file has.
 """
 
+import math
+
 import pytest
 
 import vfife
@@ -99,3 +101,21 @@ def test_a_mistake_is_told_at_once():
         assert "the size of the load is missing" not in str(told.value)
     assert m.loads == {} and m.drivers == {}
     assert vfife.loads.GuideForce is GuideForce
+
+
+@pytest.mark.parametrize("expression", ["sin(angle)", "cos(angle - pi/2)", "sin(2*angle) + 1e-6*cos(angle)"])
+def test_a_sine_repeats_with_each_turn(expression):
+    """Its ends are zero but for rounding, which is no part of its amplitude."""
+    m = crank()
+    m.drive("crank", speed="600 rpm")
+    m.moment("sine", "rod.end", moment="2 N m", expression=expression, crank="crank")
+    assert m.loads["sine"].repeats and not m.loads["sine"].cautions()
+    m.moment("same", "rod.end", moment="2 N m", expression=expression, crank="crank", repeat=True)
+    m.moment(
+        "table", "rod.end", moment="2 N m", crank="crank", angles=[k / 36 * 2.0 * math.pi for k in range(37)],
+        factors=[math.sin(k / 36 * 2.0 * math.pi) for k in range(37)],
+    )  # fmt: skip
+    validate(m)
+    assert m.loads["table"].repeats
+    m.moment("ramp", "rod.end", moment="2 N m", expression="angle", crank="crank")
+    assert not m.loads["ramp"].repeats and "keeps its last value" in m.loads["ramp"].cautions()[0]

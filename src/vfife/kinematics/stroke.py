@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 
 # Share of the largest value by which the values of the two strokes may differ at the end of the stroke.
 JUMP = 0.1
+SHIFT = 0.01  # of a stroke, and of the largest pressure, by which a table may miss the dead centre
 
 
 def strokes(
@@ -117,6 +118,7 @@ def stroke_cautions(
                     load = cases[k][0].loads[name]
                     low, high = low - load.zero_travel, high - load.zero_travel
                     result[k] += (*_jumps(name, load, low, high), *_misplaced(name, load, low, high))
+                    result[k] += tuple(_shifted(name, load, low, high))
     return result
 
 
@@ -159,3 +161,22 @@ def _misplaced(name: str, load: Load, low: float, high: float) -> Iterator[str]:
                 f" {load.slider}, than at the other end: a gas has its largest pressure where its volume is"
                 " least. Is reverse wrong, or the table turned?"
             )
+
+
+def _shifted(name: str, load: Load, low: float, high: float) -> Iterator[str]:
+    """Yield a sentence on a pressure whose larger end in the table is not where the slider's travel (m) ends:
+    a table for another stroke, or for another length of a link.
+    """
+    first, last = load.places[0], load.places[-1]
+    if load.measured[0] != "Pa" or low >= last or high <= first:
+        return
+    at_first, at_last = (sum(load.strokes_at(place)) for place in (first, last))
+    end, place = (first, low) if at_first > at_last else (last, high)
+    differs = abs(sum(load.strokes_at(place)) - max(at_first, at_last)) > 2.0 * SHIFT * load.largest
+    is_beyond = place < first or place > last
+    if abs(place - end) > SHIFT * (high - low) and (differs or is_beyond):
+        yield (
+            f"The slider of load {name} reverses at {round(1e3 * place, 6):.4g} mm of the table, whose"
+            f" largest end pressure is at {1e3 * end:.4g} mm: is it for another stroke or link? For the same"
+            f" gas at this dead centre, zero_travel = '{1e3 * (load.zero_travel + place - end):.6g} mm'."
+        )

@@ -165,8 +165,8 @@ def overlaps(record: Record, contact: int, begin: int) -> bool:
 
 
 def lasting_landings(record: Record) -> list[str]:
-    """Return the joints that landed once and are in contact all the last turn, by a law that depends on the
-    speed of the landing.
+    """Return the joints in contact all the last turn, without a landing in it, by a law that depends on the
+    speed of the landing; that of a journal that starts seated is the floor of its impact speed.
     """
     assembly = record.assembly
     if not assembly.contacts or not (record.keeps("contact_onsets") and record.keeps("contact_duration")):
@@ -175,11 +175,13 @@ def lasting_landings(record: Record) -> list[str]:
     if len(part.steps) < 2:
         return []
     onsets = part.block("contact_onsets")
-    landed = (onsets[-1] > 0.0) & (onsets[-1] == onsets[0])
+    stays = onsets[-1] == onsets[0]
     interval = np.diff(part.steps)[:, None] * assembly.choice.step
     lasts = (np.diff(part.block("contact_duration"), axis=0) >= (1.0 - ROUNDING) * interval).all(axis=0)
-    names = zip(assembly.contact_joints, landed & lasts, strict=True)
-    return [name for name in dict.fromkeys(name for name, stays in names if stays) if remembers(record, name)]
+    names = zip(assembly.contact_joints, stays & lasts, strict=True)
+    return [
+        name for name in dict.fromkeys(name for name, closed in names if closed) if remembers(record, name)
+    ]
 
 
 def remembers(record: Record, name: str) -> bool:

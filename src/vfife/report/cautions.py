@@ -50,7 +50,6 @@ CORNERS = " A block touches its guide with its corners: a larger corner_radius l
 PIN = 0.1  # of the journal's radius: a pin that sinks in deeper has lost its shape
 # Endings of measures that a rebound changes: speeds, numbers and energies of impacts.
 OF_IMPACTS = (".approach_speed.max", ".impacts", ".impact_energy.total", ".impact_power.mean")
-UNCERTAIN = 0.1  # width of a joint's force over its value from which on it needs no further caution
 STATUS = {
     Status.INTERRUPTED: ("The run was interrupted at {time:.4g} s of simulated time; the results end there."),
     Status.UNFINISHED: (
@@ -274,17 +273,12 @@ def open_contact_cautions(record: Record) -> Iterator[str]:
 
 def landing_cautions(result: RunData) -> dict[str, str]:
     """Return a sentence on the joints whose contact lasts and whose law remembers the last landing, where
-    turns repeat and forces are known well enough for it to matter.
+    turns repeat.
     """
     motion, measures = result.motion, result.measures
     if motion is None or motion.motion not in ("periodic", "settling"):
         return {}
-    names = [
-        name
-        for name in lasting_landings(result.record)
-        if (force := measures.get(f"{name}.force.max")) is not None
-        and force.width <= UNCERTAIN * abs(force.value)
-    ]
+    names = [name for name in lasting_landings(result.record) if f"{name}.force.max" in measures]
     if not names:
         return {}
     law = result.record.assembly.mechanism.contacts[names[0]].contact.name
@@ -292,7 +286,8 @@ def landing_cautions(result: RunData) -> dict[str, str]:
     listed = f" This includes all that exceeds its ideal value by more than a tenth: {', '.join(loads)}."
     text = (
         f"Joint{'s' * (len(names) > 1)} {', '.join(names)}: the contact never ends, and {law} remembers"
-        " the speed of the last landing. Another start or law may lead to another periodic motion, whose"
+        " the speed of the last landing (of a seated start: impact_speed_floor). Another start or law may"
+        " lead to another periodic motion, whose"
         " forces and torques lie outside the ranges: up to 15 % away in crank-rockers, severalfold where a"
         f" motion whirls.{listed * bool(loads)} Compare start.journals"
         ' "seated" and "centred", and other laws. kelvin-voigt remembers no landing: give it as stiffness the'

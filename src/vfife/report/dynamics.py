@@ -4,6 +4,7 @@ strongest waves.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections import Counter
 from collections.abc import Sequence
@@ -26,7 +27,7 @@ from ..measures.chaos import (
 )
 from .amounts import quantity
 from .design_words import and_words
-from .document import Document, Paragraph, Table, incomplete, paragraphs
+from .document import Caution, Document, Paragraph, Table, incomplete, paragraphs
 
 if TYPE_CHECKING:
     from ..dynamics.basins import Basins
@@ -51,7 +52,8 @@ def document(result: Any) -> Document:
         "Waterfall": waterfall,
     }
     document: Document = documents[type(result).__name__](result)
-    return document
+    cautions = [Caution(text) for load in result.mechanism.loads.values() for text in load.cautions()]
+    return dataclasses.replace(document, parts=[*document.parts, *cautions])
 
 
 def _protocol(result: Any, turns: str) -> str:

@@ -90,6 +90,12 @@ class Pieces:
         return max(abs(value) for value in (*(row[0] for row in self.rows), self.ends[1]))
 
     @property
+    def closes(self) -> bool:
+        """Whether the first and last value agree, as those of a function over its periods do."""
+        first, last = self.ends
+        return abs(last - first) <= CLOSED * self.largest
+
+    @property
     def span(self) -> float:
         """Length of the range."""
         return self.end - self.starts[0]

@@ -20,7 +20,6 @@ from ..geometry.tabulated import (
     JOINING,
     Interpolation,
     Pieces,
-    closes,
     extended,
     full_turns,
     repeated,
@@ -181,9 +180,10 @@ class Load(Kind):
         """Whether its table or expression is periodic."""
         if self.repeat is not None:
             return self.repeat and self.axis in ("times", "angles")
-        return (
-            self.axis == "angles" and len(self.places) > 1 and full_turns(self.places) and closes(self.ends)
-        )
+        if self.axis != "angles" or len(self.places) < 2 or not full_turns(self.places):
+            return False
+        way = self.way(self.values, self.expression)
+        return way is not None and way.closes
 
     @property
     def repeats_each_turn(self) -> bool:

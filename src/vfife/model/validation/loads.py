@@ -124,14 +124,15 @@ def ranged(checks: Checks, path: Path, load: Any, variable: str) -> bool:
 def follow(checks: Checks, path: Path, load: Any, key: str) -> None:
     """Check that polynomials can approximate an expression over its range."""
     try:
-        ends = sampled(getattr(load, key), load.places[0], load.places[1]).ends
+        pieces = sampled(getattr(load, key), load.places[0], load.places[1])
     except ApproximationError as error:
         checks.add((*path, key), str(error), "narrow the range, or keep it from that place, with min or max")
         return
     if load.repeat is True and load.axis not in REPEATS:
         checks.add((*path, "repeat"), "only a function of times or angles can repeat", "remove it")
-    elif load.repeat is True and not closes(ends):
-        problem = f"an expression that repeats itself begins at {ends[0]:g} and ends at {ends[1]:g}"
+    elif load.repeat is True and not pieces.closes:
+        first, last = pieces.ends
+        problem = f"an expression that repeats itself begins at {first:g} and ends at {last:g}"
         checks.add((*path, key), problem, "let its range be a whole number of its periods, or remove repeat")
 
 
