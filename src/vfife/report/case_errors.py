@@ -11,8 +11,7 @@ import numpy as np
 from ..numerics.outward import UP
 from ..results.case_errors import NOT_ESTIMATED, turn_changes, uncertain_ranges
 from ..solvers.companions import SENSITIVE
-from ..store.studyfile import REPEATS
-from ..studies.spec.plan import SEARCH
+from ..store.studyfile import REPEATS, SEARCH
 from .amounts import Digits, quantity
 from .case_cautions import case_numbers, caution_sentences
 from .document import Caution, Paragraph, Part, Table

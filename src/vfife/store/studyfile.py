@@ -29,6 +29,7 @@ Numbers: TypeAlias = Mapping[str, float | str]
 AS_TEXT = json.JSONEncoder(ensure_ascii=False).encode
 GATHER = 0.25  # s: what a kill may cost beside the cases under way
 REPEATS = "repeats"  # entry of the meta that describes the repetition of cases with another step
+SEARCH = "search"  # the method of a study whose cases a search asks for
 SPECIFICATION = STUDY.kind  # the entry of the meta that has the specification
 # Version of the definition of measures, an entry of the specification; files before version 2 have none. In
 # version 1 the last turn of a case with a duration was counted from the start; in version 2 it is the last

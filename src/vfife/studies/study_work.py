@@ -22,6 +22,7 @@ from ..report.html import NotebookDocument
 from ..results.study import Study
 from ..solvers.status import Status
 from ..store.lock import Lock
+from ..store.studyfile import SEARCH
 from .engine.cluster import THREADS, Resources
 from .engine.outcome import Outcome
 from .engine.study_engine import Engine, description_of, open_study
@@ -30,7 +31,7 @@ from .methods.allocation import Allotment, Choice, allocate_fits, read_allotment
 from .methods.local_search import optimise as run_search
 from .methods.optimise import Candidate, Search, optuna_module, pareto_front, read_search
 from .spec.limits import Estimate
-from .spec.plan import SEARCH, Plan
+from .spec.plan import Plan
 from .spec.study_file import StudyTables, plain_tables
 
 ENDING = ".study"

@@ -9,9 +9,10 @@ from typing import Any
 
 from ...errors import Fault, kind_of, shown, suggestion
 from ...schema import Integer, Measure, Reader
+from ...store.studyfile import SEARCH
 from .distributions import points
 from .parameters import read_value
-from .plan import GRIDS, MOST_CASES, SEARCH, Number, Plan, StudyParameter
+from .plan import GRIDS, MOST_CASES, Number, Plan, StudyParameter
 
 Row = tuple[Number, ...]  # values of a case, in the order of the parameters
 

@@ -13,13 +13,13 @@ from ...model.mechanism import REPETITION, Mechanism
 from ...schema import Choice, Integer, Json, Measure, Reader, Switch, Text, Value, described
 from ...schema.parts import FreeList, Names
 from ...schema.values import is_list
+from ...store.studyfile import SEARCH
 from .distributions import METHODS, Distribution
 
 Number: TypeAlias = float | str  # SI; a text is a word of the model, such as a law's name
 Numbers: TypeAlias = Mapping[str, Number]  # of a case, by path
 
 GRIDS = ("grid", "list")
-SEARCH = "search"  # the method of a study whose cases a search asks for
 MOST_CASES = 1_000_000
 MOST_TURNS = 1_000_000
 

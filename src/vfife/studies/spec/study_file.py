@@ -22,10 +22,11 @@ from ...modelfile.tables import Raw, Table
 from ...results.run_data import RunData, standing
 from ...results.series import REDUCTION
 from ...schema import Field, Reader, meaning_of
+from ...store.studyfile import SEARCH
 from .case_rows import with_cases
 from .limits import read_bounds
 from .parameters import read_parameters
-from .plan import SEARCH, Amount, OneOrMore, Plan, StudySpec, VaryTable
+from .plan import Amount, OneOrMore, Plan, StudySpec, VaryTable
 
 MOST_MODELS = 16  # whose names are cached: a command reads a study file more than once
 VARY, POINT = "vary", "point"
