@@ -287,8 +287,8 @@ def landing_cautions(result: RunData) -> dict[str, str]:
     text = (
         f"Joint{'s' * (len(names) > 1)} {', '.join(names)}: the contact never ends, and {law} remembers"
         " the speed of the last landing (of a seated start: impact_speed_floor). Another start or law may"
-        " lead to another periodic motion, whose"
-        " forces and torques lie outside the ranges: up to 15 % away in crank-rockers, severalfold where a"
+        " lead to another periodic motion, whose forces and torques lie outside the ranges: up to 15 % away"
+        " in crank-rockers, by half in slider-cranks under a constant load, severalfold where a"
         f" motion whirls.{listed * bool(loads)} Compare start.journals"
         ' "seated" and "centred", and other laws. kelvin-voigt remembers no landing: give it as stiffness the'
         " largest force over the largest penetration of the joint in this run, and as damping_coefficient"
