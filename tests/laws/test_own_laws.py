@@ -19,7 +19,7 @@ from vfife import Result, simulate
 from vfife.assembly.assemble import assemble
 from vfife.compiler.runtime.lawloops import Single, traced
 from vfife.dynamics import load_map, poincare_section
-from vfife.errors import LawError
+from vfife.errors import LawError, VfifeError
 from vfife.laws import ContactLaw, FrictionLaw, LankaraniNikravesh
 from vfife.laws.check import USUAL, faults, faults_of_class, faults_of_numbers
 from vfife.laws.user import executed, load_laws
@@ -448,6 +448,10 @@ def test_a_map_file_opens_without_the_law(tmp_path):
     model = four_bar("C", contact=mine(stiffness=5e10))
     made = poincare_section(model, turns=3, dropped=1, step=1.5e-5, file=tmp_path / "a.map")
     said = str(document(made))
+    (changed,) = loaded(tmp_path, COPY.replace("0.75", "0.25"))
+    model = four_bar("C", contact=changed(stiffness=5e10))
+    with pytest.raises(VfifeError, match="computed with another text of the law mine"):
+        poincare_section(model, turns=3, dropped=1, step=1.5e-5, file=tmp_path / "a.map")
     del ContactLaw.registry["mine"]
     again = load_map(tmp_path / "a.map")
     assert "contact mine" in again.laws and again.kind == again.verdict.kind == "not settled"

@@ -256,9 +256,20 @@ class MapRows:
         return None if self.file is None else self.file.array(key)
 
     def keep_laws(self, mechanism: Mechanism) -> None:
-        """Write the user's own laws into the file, if there is one: it can then be read without them."""
-        if self.file is not None and (laws := own_laws(mechanism)):
+        """Write the user's own laws into the file, if there is one: it can then be read without them. Raises
+        VfifeError if its values were computed with others.
+        """
+        if self.file is None or not (laws := own_laws(mechanism)):
+            return
+        stored = self.file.get("meta", OWN_LAWS, "json")
+        if stored is None:
             self.file.put({OWN_LAWS: laws})
+        elif [law["text"] for law in stored] != [law["text"] for law in laws]:
+            names = ", ".join(law["name"] for law in laws)
+            raise VfifeError(
+                f"{self.file.path}: this map was computed with another text of the law {names}; name another"
+                " file, or load the former text"
+            )
 
     def write(self, table: str, key: str | int, *values: Any) -> None:
         """Write a row into the file, if there is one."""
