@@ -47,7 +47,7 @@ from .maps import (
     neighbours_of,
 )
 from .series import chosen_series, classified, motion_ranges, with_peaks
-from .start_states import StartStates, refuse_contradiction, unit_of_start, values_between
+from .start_states import StartStates, refuse_contradiction, unit_of_argument, values_between
 from .step_check import (
     SAMPLE,
     CheckedMap,
@@ -369,6 +369,7 @@ def basins(
             arguments.fault(name, "this is no axis", axis, axis_words, "give three entries")
     counts = arguments.pair("count", count)
     arguments.count("companions", companions, optional=False, low=0)
+    arguments.kind("exponents", exponents, (bool,), "True or False")
     arguments.check()
     run = TurnRun("basins", **options)
     paths, units = (x[0], y[0]), grid_units(mechanism, x[0], y[0])
@@ -381,19 +382,11 @@ def basins(
     first = own_starts.at({})
     refuse_large_frame(first)
     start = TURNED_START if "start.crank" in paths else START
-    run.begin(
-        run.work(
-            "start",
-            counts[0] * counts[1],
-            steps,
-            4,
-            companions=companions,
-            growth=exponents,
-            start=start,
-            first_look=FIRST_LOOK,
-        ),
-        first,
-    )
+    work = run.work(
+        "start", counts[0] * counts[1], steps, 4, companions=companions, growth=exponents, start=start,
+        first_look=FIRST_LOOK, note=few_points(run.turns - run.dropped),
+    )  # fmt: skip
+    run.begin(work, first)
     series, _ = chosen_series(first, run.series)
     spec = BasinSpec(
         dump(mechanism),
@@ -417,6 +410,16 @@ def basins(
         return Start(case, partial(state.at, spec.numbers(case)), state.ahead(spec.numbers(case), run.phase))
 
     return follow_starts(run, mechanism.name, spec, start_of, neighbours)
+
+
+def few_points(recorded: int) -> str:
+    """Return what remains open with so few ``recorded`` turns of each start; empty for enough of them."""
+    if recorded >= TEST_POINTS:
+        return ""
+    return (
+        f"; with fewer than {TEST_POINTS} recorded turns of each start, here {recorded}, chaos beside other"
+        f" motions is not decided: {3 * TEST_POINTS} turns record enough"
+    )
 
 
 def follow_starts(
@@ -472,15 +475,10 @@ def grid_units(mechanism: Mechanism, x: str, y: str) -> tuple[str, str]:
 
     Raises ModelError for a path that leads to no number, for equal paths, and for two velocities of one body.
     """
-    units = []
-    for name, path in (("x", x), ("y", y)):
-        try:
-            units.append(unit_of_start(mechanism, path))
-        except ValueError as error:
-            raise ModelError([Fault(name, str(error))], mechanism.name) from None
+    units = unit_of_argument("x", mechanism, x), unit_of_argument("y", mechanism, y)
     if x == y:
         raise ModelError(
             [Fault("y", "x and y are the same number", x, "two numbers", "name another one")], mechanism.name
         )
     refuse_contradiction(mechanism, (x, y))
-    return units[0], units[1]
+    return units

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Unpack
 
@@ -44,7 +44,7 @@ from .maps import (
     unit_at,
 )
 from .series import chosen_series, classified, motion_ranges, series_values
-from .start_states import StartStates, refuse_contradiction, start_words, values_between
+from .start_states import StartStates, refuse_contradiction, start_words, unit_of_argument, values_between
 from .step_check import (
     SAMPLE,
     CheckedMap,
@@ -126,16 +126,16 @@ class Bifurcation(CheckedMap):
     values, turns). ``growth``: logarithm of the growth of a small difference in each of these turns, shape
     (chains, values, turns). ``exponents``: the largest Lyapunov exponent (1/turn) with the lower and the
     higher mean of its two halves, shape (chains, values, 3); the uncertainty due to the step is not
-    estimated. ``kinds``: kinds of motion, shape (chains,
-    values). ``done``: number of values that are computed in each chain. ``unit``: the unit in which the ends
-    of a range of angles or speeds were written; empty if that is the SI unit.
+    estimated. ``verdicts``: kinds of motion with their evidence, shape (chains, values), None where nothing
+    is computed. ``done``: number of values that are computed in each chain. ``unit``: the unit in which the
+    ends of a range of angles or speeds were written; empty if that is the SI unit.
     """
 
     file_kind: ClassVar[str] = "bifurcation"
     points: Mapping[str, Array]
     growth: Array
     exponents: Array
-    kinds: tuple[tuple[str, ...], ...]
+    verdicts: tuple[tuple[Verdict | None, ...], ...]
     done: int
     unit: str = ""
 
@@ -151,19 +151,20 @@ class Bifurcation(CheckedMap):
         """Return the diagram that consists of the rows of a map file."""
         shape = len(spec.ways), len(spec.values), spec.turns - spec.dropped
         points, growth = {series: np.full(shape, np.nan) for series in spec.series}, np.full(shape, np.nan)
-        exponents, kinds = np.full((*shape[:2], 3), np.nan), [[""] * shape[1] for _ in spec.ways]
+        exponents = np.full((*shape[:2], 3), np.nan)
+        verdicts: list[list[Verdict | None]] = [[None] * shape[1] for _ in spec.ways]
         for chain, value, values, logarithms in chain_values(spec, legs):
             for j, series in enumerate(spec.series):
                 points[series][chain, value] = values[:, j]
             growth[chain, value] = logarithms
             largest = exponent(logarithms)
             exponents[chain, value] = largest.value, *largest.halves
-            kinds[chain][value] = classified(spec, values, largest).kind
+            verdicts[chain][value] = classified(spec, values, largest)
         ordered = tuple(
             sorted(companions, key=lambda companion: (companion.way, companion.number, companion.ratio))
         )
         done = len(legs) // max(1, len(spec.starts))
-        return cls(name, spec, ordered, points, growth, exponents, tuple(map(tuple, kinds)), done, unit)
+        return cls(name, spec, ordered, points, growth, exponents, tuple(map(tuple, verdicts)), done, unit)
 
     @classmethod
     def read(cls, file: MapFile) -> Bifurcation:
@@ -179,6 +180,11 @@ class Bifurcation(CheckedMap):
             return 1.0, self.spec.unit
         return 1.0 / unit_factor(self.unit, self.spec.unit), self.unit
 
+    @cached_property
+    def kinds(self) -> tuple[tuple[str, ...], ...]:
+        """Kinds of motion, shape (chains, values); empty where nothing is computed."""
+        return tuple(tuple(verdict.kind if verdict else "" for verdict in chain) for chain in self.verdicts)
+
     def spells(self, chain: int) -> list[Spell]:
         """Return the ranges of neighbouring values with the same motion, in the order of the way up."""
         kinds = [
@@ -191,10 +197,6 @@ class Bifurcation(CheckedMap):
             values = [value for value, _ in pairs]
             spells.append(Spell(self.words_of(kind), values[0], values[-1], len(values)))
         return spells
-
-    def verdict(self, chain: int, value: int) -> Verdict:
-        """Return the kind of motion at a value of a chain, with its evidence."""
-        return classified(self.spec, self._series(chain, value), exponent(self.growth[chain, value]))
 
     def _series(self, chain: int, value: int) -> Array:
         """Return the series at a value of a chain, shape (turns, series)."""
@@ -307,7 +309,9 @@ def bifurcation(
     arguments.check()
     run = TurnRun("bifurcation", **options)
     values = values_between("bifurcation", mechanism, path, (low, high), count)
-    for start in sorted_starts:
+    for k, start in enumerate(sorted_starts):
+        for name, _ in start:
+            unit_of_argument(f"starts[{k}]", mechanism, name)
         refuse_contradiction(mechanism, (path, *dict(start)))
     steps = run.step_count(models_along(mechanism, ((path, values[0], values[-1]),)))
     text = dump(mechanism)

@@ -378,7 +378,7 @@ class MapWork:
     ``noun`` names a case in messages. ``numbers`` are stored per turn. ``companions`` cases are repeated with
     other steps, ``companion_steps`` times those of a case. ``growth``: a small difference is followed.
     ``impacts``: contact onsets are recorded. ``start``: time (s) to assemble a case. ``first_look``: cases
-    and turns of a quick trial.
+    and turns of a quick trial. ``note`` ends the sentence of the forecast.
     """
 
     noun: str
@@ -394,6 +394,7 @@ class MapWork:
     start: float = START
     first_look: tuple[int, int] = (0, 0)
     companion_steps: float = COMPANION_STEPS
+    note: str = ""
 
     def turns_of_one(self) -> float:
         """Return the number of turns of a single lane that take as long as a case, with all cores working."""
@@ -437,6 +438,7 @@ class MapWork:
             disk=size * left,
             threads=threads,
             first_look=first,
+            note=self.note,
         )
 
     def _seconds(self, step: float, left: int) -> float:

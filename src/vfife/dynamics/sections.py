@@ -114,20 +114,30 @@ class PoincareSection(Map):
         return self.verdict.exponent
 
     @property
-    def _growth(self) -> Exponent | None:
-        """The exponent, with a range from the motion with half the step."""
-        if len(self.growth) < 2:
+    def later_exponent(self) -> Exponent | None:
+        """The exponent of the second half of the turns, where that of all is not known and this one is."""
+        half = len(self.growth) // 2
+        later = self._growth(half) if half and self.exponent is not None and self.exponent.unknown else None
+        later = later and later.with_scatter()
+        return later if later is not None and later.estimated and not later.unknown else None
+
+    def _growth(self, first: int = 0) -> Exponent | None:
+        """Return the exponent of the turns from the ``first`` on, with a range from the motion with half the
+        step.
+        """
+        growth, finer = self.growth[first:], self.finer[first:]
+        if len(growth) < 2:
             return None
-        largest = exponent(self.growth)
-        if len(self.finer) < len(self.growth) or not np.isfinite([*self.growth, *self.finer]).all():
+        largest = exponent(growth)
+        if len(finer) < len(growth) or not np.isfinite([*growth, *finer]).all():
             return largest
-        return largest.with_finer(exponent(self.finer))
+        return largest.with_finer(exponent(finer))
 
     @property
     def verdict(self) -> Verdict:
         """Kind of the motion, with the evidence."""
         points = np.stack(list(self.points.values()), axis=1)
-        return classified(self.spec, points, self._growth)
+        return classified(self.spec, points, self._growth())
 
     @property
     def kind(self) -> str:

@@ -67,15 +67,24 @@ def unit_of_start(mechanism: Mechanism, path: str) -> str:
         return "rad"
     head, _, tail = path.partition(".")
     joint, _, axis = tail.rpartition(".")
-    if head == "start" and axis in AXES:
-        if joint not in mechanism.clearances:
-            paths = [CRANK, *(f"start.{name}.{key}" for name in mechanism.clearances for key in AXES)]
-            raise ValueError(
-                f"{path}: there is no joint with clearance of this name;"
-                f" {suggestion(path, paths, 'name one')}"
-            )
+    if head == "start" and axis in AXES and joint in mechanism.clearances:
         return AXES[axis]
-    return unit_at(mechanism, path)
+    try:
+        return unit_at(mechanism, path)
+    except ValueError:
+        if head != "start":
+            raise
+        paths = [CRANK, *(f"start.{name}.{key}" for name in mechanism.clearances for key in AXES)]
+        remedy = suggestion(path, paths, "name one")
+        raise ValueError(f"{path}: a start has no number of this name; {remedy}") from None
+
+
+def unit_of_argument(argument: str, mechanism: Mechanism, path: str) -> str:
+    """Return the unit of the number at the ``path`` that an ``argument`` names; raise ModelError for none."""
+    try:
+        return unit_of_start(mechanism, path)
+    except ValueError as error:
+        raise ModelError([Fault(argument, str(error))], mechanism.name) from None
 
 
 def values_between(
@@ -92,10 +101,7 @@ def values_between(
     arguments.kind("path", path, (str,), 'the path of a number, such as "joint.C.clearance"')
     arguments.count("count", count, optional=False)
     arguments.check()
-    try:
-        unit = Measure(unit_of_start(mechanism, path))
-    except ValueError as error:
-        raise ModelError([Fault("path", str(error))], mechanism.name) from None
+    unit = Measure(unit_of_argument("path", mechanism, path))
     for name, end in zip(("low", "high"), ends, strict=True):
         if end is None:
             arguments.fault(name, "a value is missing", end, f"a number in {unit.unit}", "give one")

@@ -25,6 +25,7 @@ from ..measures.chaos import (
     UNSETTLED,
     longer_transient,
 )
+from ..model.functions import turn_of
 from .amounts import quantity
 from .design_words import and_words
 from .document import Caution, Document, Paragraph, Table, incomplete, paragraphs
@@ -40,6 +41,10 @@ MOST_ATTRACTORS = 12
 MOST_SPELLS = 8  # ranges of values of one direction that are listed
 PEAKS = 8
 SETTLING = 6.91  # ln 1000: a difference of the range of points decays to the tolerance of 0.1 %
+PERIODIC = (
+    "A motion is periodic if points repeat within 0.1 % of their range or 1e-5 of their size, or scatter with"
+    f" the step within {100.0 * SCATTER:g} % of the motion's range"
+)
 UNESTIMATED = "Errors of points, of the 0-1 test and of onsets: not estimated."
 
 
@@ -52,7 +57,15 @@ def document(result: Any) -> Document:
         "Waterfall": waterfall,
     }
     document: Document = documents[type(result).__name__](result)
-    cautions = [Caution(text) for load in result.mechanism.loads.values() for text in load.cautions()]
+    spec, turn = result.spec, turn_of(result.mechanism) or 0.0
+    # In chains the time goes on from value to value.
+    motions = len(spec.values) if getattr(spec, "starts", None) == () else 1
+    cautions = [
+        Caution(text)
+        for load in result.mechanism.loads.values()
+        for text in (*load.cautions(), load.end_caution(motions * spec.turns * turn))
+        if text
+    ]
     return dataclasses.replace(document, parts=[*document.parts, *cautions])
 
 
@@ -80,11 +93,18 @@ def diagram(result: Bifurcation) -> Document:
             f"{DIRECTIONS.get(way, way)}: {spells_words(result.spells(k), unit, factor)}{_gap(result, k)}."
             for k, way in enumerate(spec.ways)
         ),
+        *_longer_periods(
+            [
+                (f"{quantity(factor * value, unit)} ({way})", motion)
+                for way, motions in zip(ways, result.verdicts, strict=True)
+                for value, motion in zip(spec.values, motions, strict=True)
+                if motion is not None
+            ]
+        ),
         _protocol(result, f"{spec.turns} turns at each value"),
         (
-            "A motion is periodic if points repeat within 0.1 % of the range, chaotic within these turns if a"
-            " small difference grows more than e-fold in each half of them, and by more than the error of so"
-            f" few. Exponents, {STEP_UNKNOWN}."
+            f"{PERIODIC}; chaotic within these turns if a small difference grows more than e-fold in each"
+            f" half of them, and by more than the error of so few. Exponents, {STEP_UNKNOWN}."
         ),
         _step_errors(result),
         f"Companions: {result.step_report or 'none.'}",
@@ -93,6 +113,28 @@ def diagram(result: Bifurcation) -> Document:
         [*incomplete(result.progress), Table.numeric(("motion", *heads), rows), *paragraphs(texts)],
         f"{result.name}: {spec.path}",
     )
+
+
+def _longer_periods(motions: Sequence[tuple[str, Any]]) -> list[str]:
+    """Return which of some motions, each with the words of its place, repeat after more turns than the period
+    that is shown.
+    """
+    places: dict[tuple[str, int], list[str]] = {}
+    for place, motion in motions:
+        if motion.repeats:
+            places.setdefault((motion.kind, motion.repeats), []).append(place)
+    texts = []
+    for (kind, repeats), names in places.items():
+        rest = f" and {len(names) - MOST_SPELLS} more" * (len(names) > MOST_SPELLS)
+        texts.append(f"{kind} may be period {repeats} at {', '.join(names[:MOST_SPELLS])}{rest}")
+    if not texts:
+        return []
+    distance = 100.0 * max(motion.scatter for _, motion in motions if motion.repeats)
+    words = "; ".join(texts)
+    return [
+        f"{words[:1].upper()}{words[1:]}: points within the longer period differ by up to {distance:.2g} % of"
+        " the motion's range, which the step may cause; compare half the step."
+    ]
 
 
 def _step_errors(result: Bifurcation) -> str:
@@ -208,10 +250,11 @@ def basins(result: Basins) -> Document:
     texts = [
         *start_caution(result),
         *_undecided_starts(result),
+        *_longer_periods([(f"start {number + 1}", motion) for number, motion in result.verdicts.items()]),
         *_unsettled_starts(result),
         *_transients(result),
         f"{_protocol(result, f'{spec.turns} turns of each start')}{impossible}",
-        f"A motion is periodic if points repeat within 0.1 % of the range; {criterion}.",
+        f"{PERIODIC}; {criterion}.",
         "Shares count starts of the grid. Errors of points and of shares of the area: not estimated.",
         f"Companions: {result.step_report or ('not computed yet.' if result.progress else 'none.')}",
     ]
@@ -296,6 +339,9 @@ def section(result: PoincareSection) -> Document:
         return Document(paragraphs([status, protocol]))
     verdict = result.verdict
     texts = [f"{result.name}: {verdict.words}", f"{verdict.evidence[:1].upper()}{verdict.evidence[1:]}."]
+    if (later := result.later_exponent) is not None:
+        drop = spec.turns - result.done // 2
+        texts.append(f"In the second half of these turns: {later.words}. Drop more turns (--drop {drop}).")
     for name, impacts in result.struck.items():
         count = len(impacts["speed"])
         fastest = f", the fastest at {impacts['speed'].max():.4g} m/s" if count else ""
@@ -320,7 +366,10 @@ def _range_of_exponent(result: PoincareSection) -> str:
     """Return where the range of a section's exponent comes from."""
     if result.exponent is None or not result.exponent.estimated:
         return f"Without companions. {UNESTIMATED}"
-    return f"The exponent's range includes a second motion with half the step. {UNESTIMATED}"
+    return (
+        "The exponent's range includes a second motion with half the step; near a bifurcation it may be too"
+        f" narrow. {UNESTIMATED}"
+    )
 
 
 def waterfall(result: Waterfall) -> Document:

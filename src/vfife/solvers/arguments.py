@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from os import PathLike
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -182,10 +182,12 @@ class Arguments(Reader):
         return ()
 
     def file(self, name: str, value: Any) -> None:
-        """Add a fault unless the value is a path or None."""
-        if value is not None and not isinstance(value, str | PathLike):
+        """Add a fault unless the value is a path in a folder that exists, or None."""
+        if value is not None and not isinstance(value, str | os.PathLike):
             remedy = "give the path of a file, or leave it out"
             self.fault(name, f"this is {kind_of(value)}", value, "a path", remedy)
+        elif value is not None and not os.path.isdir(folder := os.path.dirname(os.path.abspath(value))):
+            self.fault(name, "there is no such folder", folder, "", "make it first")
 
     def callable(self, name: str, value: Any) -> None:
         """Add a fault unless the value is a function or None."""

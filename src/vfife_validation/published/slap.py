@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from vfife import Mechanism, gallery
 from vfife.dynamics import bifurcation, poincare_section
-from vfife.measures.chaos import kind_words
+from vfife.measures.chaos import STEP_UNKNOWN, kind_words
 from vfife.modelfile.parameter import with_values
 from vfife.report.document import Table
 
@@ -117,13 +117,13 @@ def verdicts(results: dict[float, Kinds], floating: Kinds, sections: list[Impact
         Verdict(
             "chaotic motion prevails at high crank speeds", by_speed[0] == 0 < by_speed[-1],
             f"{', '.join(map(str, by_speed))} of {len(RESTITUTIONS)} restitutions at"
-            f" {', '.join(f'{speed:g}' for speed in SPEEDS)} rpm",
+            f" {', '.join(f'{speed:g}' for speed in SPEEDS)} rpm are chaotic within {TURNS} turns",
         ),
         Verdict(
             "chaotic motion prevails with relatively ideal impacts",
             bool(by_restitution[-1] > by_restitution[0]),
             f"{', '.join(map(str, by_restitution))} of {len(SPEEDS)} speeds with restitution"
-            f" {', '.join(f'{e:g}' for e in RESTITUTIONS)}",
+            f" {', '.join(f'{e:g}' for e in RESTITUTIONS)} are chaotic within {TURNS} turns",
         ),
         Verdict(
             "it prevails with low friction of the bearing",
@@ -147,7 +147,7 @@ def verdicts(results: dict[float, Kinds], floating: Kinds, sections: list[Impact
             bool(chaotic_spreads and uneven)
             and min(chaotic_spreads) > 2.0 * max(uneven),
             f"over {', '.join(f'{spread:.0f}' for spread in chaotic_spreads)} of {BINS} bins of 10° where"
-            " chaotic,"
+            f" chaotic within {SECTION_TURNS} turns,"
             f" {', '.join(f'{spread:.0f}' for spread in uneven)} where periodic",
         ),
         Verdict(
@@ -206,7 +206,7 @@ def item() -> Item:
     ]
     tables = [
         *(
-            table(result, f"Motion with friction {friction:g} (exponent a turn)")
+            table(result, f"Motion with friction {friction:g} (exponent a turn, {STEP_UNKNOWN})")
             for friction, result in results.items()
         ),
         table(floating, "Motion without friction and without gravity"),

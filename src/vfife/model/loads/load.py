@@ -245,6 +245,18 @@ class Load(Kind):
         """
         return self._cautions
 
+    def end_caution(self, duration: float) -> str:
+        """Return the sentence on a function of time that ends before about the ``duration`` (s) of a motion;
+        empty for others.
+        """
+        if self.axis != "times" or self.repeats or len(self.places) < 2 or self.places[-1] >= duration:
+            return ""
+        return (
+            f"The load {self.name} is a function of time up to {self.places[-1]:.5g} s, and keeps its last"
+            f" value after that, in a motion of about {duration:.3g} s. For a load that repeats, give one"
+            " period and repeat = true, or an expression of the angle of a body that a driver turns (crank)."
+        )
+
     @cached_property
     def _cautions(self) -> tuple[str, ...]:
         return (*self._open_turn(), *self._along_travel(), *self._jumps())

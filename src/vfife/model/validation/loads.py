@@ -126,7 +126,9 @@ def follow(checks: Checks, path: Path, load: Any, key: str) -> None:
     try:
         pieces = sampled(getattr(load, key), load.places[0], load.places[1])
     except ApproximationError as error:
-        checks.add((*path, key), str(error), "narrow the range, or keep it from that place, with min or max")
+        period = " (of a function that repeats to one period, with repeat = true)" * (load.axis in REPEATS)
+        remedy = f"narrow the range{period}, or keep it from that place, with min or max"
+        checks.add((*path, key), str(error), remedy)
         return
     if load.repeat is True and load.axis not in REPEATS:
         checks.add((*path, "repeat"), "only a function of times or angles can repeat", "remove it")
