@@ -114,9 +114,9 @@ def commands(folder: Path) -> dict[str, list[list[str]]]:
         "--count",
         "2",
         "--turns",
-        "3",
+        "4",
         "--drop",
-        "1",
+        "2",
         "--companions",
         "1",
     ]
