@@ -72,7 +72,7 @@ lint: $(VENV)/.dev  ## style (of JavaScript too), types, import contracts
 	@$(VENV)/bin/biome check --error-on-warnings
 
 docs: $(VENV)/.dev  ## build the pages, running every example; a warning is an error
-	@$(PYTHON) -m sphinx -W --keep-going -j 4 -b html -d docs/_build/doctrees docs docs/_build/html
+	@$(PYTHON) -m sphinx -W --keep-going -j auto -b html -d docs/_build/doctrees docs docs/_build/html
 	@echo "docs/_build/html/index.html"
 
 texts: $(VENV)/.runtime  ## write the lists of commands and keys into docs, and numbers, film and figure of the demo into the README
