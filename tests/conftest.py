@@ -12,7 +12,6 @@ from hypothesis import settings
 from one_loop import ForAllLaws
 from vfife.compiler.runtime import loops
 from vfife.laws import ContactLaw, FrictionLaw
-from vfife.plots.style import STYLE
 from vfife.store import connections
 
 # The examples of a property are the same in every run, so that chance fails no test; `make soak` draws others
@@ -21,9 +20,6 @@ settings.register_profile(
     "calm", deadline=None, derandomize=os.environ.get("VFIFE_EXAMPLES") != "all", print_blob=True
 )
 settings.load_profile("calm")
-# Dots per inch of the pictures that are written: an eighth of the dots that a user has, most of the time that
-# they take.
-COARSE = 56
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -43,13 +39,12 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def pytest_collection_finish() -> None:
     """Keep the collector from going through six thousand tests and their modules again and again, which takes
-    a fifth of the processor time of a test run; write pictures small.
+    a fifth of the processor time of a test run.
     """
     gc.collect()
     gc.freeze()
     gc.set_threshold(100_000, 20, 20)
     gc.enable()
-    STYLE["savefig.dpi"] = COARSE
 
 
 @pytest.fixture

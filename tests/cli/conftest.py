@@ -7,7 +7,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -60,6 +60,18 @@ def fast(monkeypatch: pytest.MonkeyPatch) -> None:
     of a silence.
     """
     monkeypatch.setattr(activity, "PATIENCE", math.inf)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def coarse() -> Iterator[None]:
+    """Figures have an eighth of the dots that they have for a user, which is most of the time that a picture
+    takes to be written.
+    """
+    from vfife.plots.style import STYLE
+
+    with pytest.MonkeyPatch.context() as context:
+        context.setitem(STYLE, "savefig.dpi", 56)
+        yield
 
 
 @pytest.fixture(scope="session")
