@@ -32,6 +32,7 @@ def pytest_configure(config: pytest.Config) -> None:
     # No test takes the power away: a write need not reach the disk before the test goes on, which takes 10 ms
     # each time.
     connections.SYNCHRONOUS, os.fsync = "OFF", lambda file: None
+    gc.disable()  # until the tests are collected: what is imported and rewritten till then stays
     if "not verify" in config.option.markexpr:
         loops.DataDriven = ForAllLaws
 
@@ -43,6 +44,7 @@ def pytest_collection_finish() -> None:
     gc.collect()
     gc.freeze()
     gc.set_threshold(100_000, 20, 20)
+    gc.enable()
 
 
 @pytest.fixture

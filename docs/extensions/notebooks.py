@@ -5,13 +5,13 @@ from __future__ import annotations
 import ast
 import json
 import linecache
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 NOTEBOOKS = ROOT / "examples" / "notebooks"
 FOLDER = "notebooks"  # of the pages
+LARGEST = 3_000_000  # characters that a cell displays
 REPRESENTATIONS = ("_repr_html_", "_repr_png_", "_repr_svg_")
 
 
@@ -33,22 +33,23 @@ def run_cell(source: str, names: dict[str, Any], file: str) -> Any:
     return eval(compile(ast.Expression(last.value), file, "eval", dont_inherit=True), names)
 
 
-def displayed(path: Path) -> Iterator[tuple[str, Any]]:
-    """Execute a notebook; yield each cell of code with the value that it displays, or None."""
-    names: dict[str, Any] = {"__name__": "__main__"}
-    for number, (kind, source) in enumerate(cells(path)):
-        if kind == "code":
-            yield source, run_cell(source, names, f"<{path.name}, cell {number}>")
-
-
 def representation(value: Any) -> str | bytes:
-    """Return what a notebook displays of a value, in the richest form that it has, else its repr."""
+    """Return what a notebook displays of a value, in the richest form that it has, else its repr. ValueError
+    if that tells a reader nothing, or is too large for a page.
+    """
     for name in REPRESENTATIONS:
         method = getattr(value, name, None)
         shown = method() if method is not None else None
         if shown:
-            return shown
-    return repr(value)
+            break
+    else:
+        shown = repr(value)
+    if isinstance(shown, str) and (" object at 0x" in shown or len(shown) >= LARGEST):
+        raise ValueError(
+            f"a notebook displays {shown[:60]}, {len(shown):,} characters; at most {LARGEST:,} fit a page,"
+            " and an object needs a representation of its own"
+        )
+    return shown
 
 
 def page(path: Path) -> str:

@@ -67,7 +67,7 @@ def small(clearance: str, law: str = "lankarani-nikravesh") -> Result:
     changes = [*SMALL.items(), ("load.gas.travels", travels)]
     changes += [(f"joint.{name}.clearance", clearance) for name in PINS]
     changes += [(f"joint.{name}.contact.law", law) for name in JOINTS]
-    return vfife.simulate(load(MODEL, set=changes), turns=20)
+    return vfife.simulate(load(MODEL, set=changes), turns=12)
 
 
 @cache
@@ -88,12 +88,14 @@ def warnings_of(result: Result) -> dict[str, str]:
 
 
 def test_a_neighbouring_clearance_has_the_same_caution() -> None:
-    """Of the run alone, 46 % and 86 % of the mean peak are damping at least; turns of all lanes agree."""
+    """Of the run alone, less than half and more than 80 % of the mean peak are damping at least; turns of all
+    lanes agree.
+    """
     shares = []
     for clearance in ("33 um", "34 um"):
         result = small(clearance)
         (run, *companions) = damped_peaks(result.record, result.motion)["big-end"].lanes
-        assert len(run) == 10 and len(companions) == 3
+        assert len(run) == 6 and len(companions) == 3
         elastic = math.fsum(min(peak.elastic, peak.force) for peak in run)
         shares.append(1.0 - elastic / math.fsum(peak.force for peak in run))
         assert list(result.summary["law_dependent"]) == ["big-end"]
@@ -291,8 +293,8 @@ def test_counts_are_those_of_the_forces_of_each_turn() -> None:
             for _, part, turns in turn_lanes(result.record, result.motion)
             for rows in turns
         ]
-        assert counts[name] == RaisedPeaks(sum(peak > limit for peak in peaks), 40)
-    assert 0 < counts["small-end"].raised < 40
+        assert counts[name] == RaisedPeaks(sum(peak > limit for peak in peaks), 24)
+    assert 0 < counts["small-end"].raised < 24
 
 
 def test_a_force_that_follows_the_ideal_mechanism_has_no_caution() -> None:

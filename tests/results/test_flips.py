@@ -33,15 +33,9 @@ def run_file(folder: Path) -> Path:
 
 
 def study_file(folder: Path) -> Path:
-    vary = {"joint.pin.clearance": [f"{k} um" for k in range(100, 160)]}
-    vfife.study(
-        vfife.load_model(EXAMPLES / "slider_crank_loose_pin.toml"),
-        vary,
-        ["pin.force.max"],
-        turns=1,
-        step=1e-5,
-        file=folder / "a.study",
-    )
+    vary = {"body.coupler.length": [f"{k} um" for k in range(260_000, 260_060)]}
+    model = vfife.gallery.four_bar_ideal()
+    vfife.study(model, vary, ["C.force.max"], turns=1, step=1e-4, file=folder / "a.study")
     return folder / "a.study"
 
 

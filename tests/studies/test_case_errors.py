@@ -31,10 +31,12 @@ from vfife.results.case_errors import (
 )
 from vfife.results.study import Study
 from vfife.store.studyfile import REPEATS
+from vfife.studies.engine.cases import run_cases
 from vfife.studies.engine.outcome import Outcome
 from vfife.studies.engine.study_engine import STEP, Engine, description_of, open_study
 from vfife.studies.methods.tolerance import failing_share, spreads
 from vfife.studies.spec.limits import Bound, quantile
+from vfife.studies.spec.plan import CaseSpec
 from vfife.studies.spec.study_file import StudyTables, plain_tables
 
 CASE_B, IDEAL = "examples/four_bar_case_b.toml", "examples/four_bar_ideal.toml"
@@ -503,17 +505,15 @@ def test_cases_of_a_compressor_with_worn_pins_are_known_as_well_as_is_said() -> 
     model, pins = load("examples/compressor.toml"), ["joint.big-end.clearance", "joint.small-end.clearance"]
     clearances = [8.6e-5, 1.2e-4, 1.7e-4]
     measures = ["big-end.force.max", "small-end.force.max", "rod.angular_acceleration.max"]
-    found = vfife.study(model, {"play": {"path": pins, "values": clearances}}, measures, turns=8, last=4)
+    found = vfife.study(model, {"play": {"path": pins, "values": clearances}}, measures, turns=4, last=2)
     assert found.sensitive[0] == 3
     held = []
     for k, clearance in enumerate(clearances):
         for share in (3, 5):
-            finer = vfife.study(
-                model, {"play": {"path": pins, "values": [clearance]}}, measures, turns=8, last=4,
-                step=found.outcomes[k]["step"] / share,
-            )  # fmt: skip
+            spec = CaseSpec(tuple(measures), 4, last=2, step=found.outcomes[k]["step"] / share)
+            ((_, finer),) = run_cases(model, [dict.fromkeys(pins, clearance)], spec)
             held += [
-                abs(finer.values(name)[0] - found.values(name)[k]) <= found.errors[name].most
+                abs(finer.values[name] - found.values(name)[k]) <= found.errors[name].most
                 for name in measures
             ]
     assert np.mean(held) >= 0.9
@@ -534,18 +534,13 @@ def test_cases_are_known_as_well_as_is_said(tmp_path) -> None:
         **given,
         lanes=2,
     )
-    truth = [
-        vfife.study(
-            load(CASE_B),
-            {"joint.C.clearance": [c]},
-            list(found.measures),
-            turns=2,
-            step=found.rows()[k]["step"] / 8,
-        )
-        for k, c in enumerate(clearances)
-    ]
+    truth = []
+    for k, clearance in enumerate(clearances):
+        spec = CaseSpec(tuple(found.measures), 2, step=found.rows()[k]["step"] / 8)
+        ((_, finer),) = run_cases(load(CASE_B), [{"joint.C.clearance": clearance}], spec)
+        truth.append(finer.values)
     for name, one in found.errors.items():
-        exact = np.array([single.values(name)[0] for single in truth])
+        exact = np.array([values[name] for values in truth])
         assert one.count == 4 and 0.0 < one.typical <= one.rms <= one.most < 0.05 * np.abs(exact).min()
         assert np.abs(found.values(name) - exact).max() <= 1.5 * one.most, name
     again = vfife.study(
