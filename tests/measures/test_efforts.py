@@ -131,7 +131,7 @@ def test_of_two_drivers_what_the_kinetic_energy_leaves_is_not_known() -> None:
     summary = summary_of(second)
     assert summary["efforts"]["other"]["rest"] is None
     text = " ".join(as_text(document(summary), 300).split())
-    assert "its kinetic energy takes" in text and "which leaves" not in text
+    assert "while kinetic energy takes" in text and "which leaves" not in text
 
 
 SLOW = """

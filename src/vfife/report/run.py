@@ -281,12 +281,11 @@ def _pace(effort: Json) -> str:
     rise, power = effort.get("rise", {"value": 0.0})["value"], effort["power"]["value"]
     if abs(rise) <= STEADY * abs(power):
         return ""
-    ways = ("speeds up", "takes") if rise > 0.0 else ("slows down", "gives")
-    text = f", while the machine {ways[0]}: its kinetic energy {ways[1]} {prefixed(abs(rise), 'W')}"
+    text = f", while kinetic energy {'takes' if rise > 0.0 else 'gives'} {prefixed(abs(rise), 'W')}"
     if (rest := effort["rest"]) is None:
         return text
     is_small = abs(rest["value"]) <= max(STEADY * abs(power), rest["missed"] or 0.0)
-    return f"{text}, which leaves {'about nothing' if is_small else _rounded(rest, 'W')}"
+    return f"{text}, which leaves {'about 0 W' if is_small else _rounded(rest, 'W')}"
 
 
 def effort_texts(effort: Json) -> dict[str, tuple[float, str]]:
