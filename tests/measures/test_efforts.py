@@ -99,6 +99,41 @@ def test_work_of_a_motor_is_not_that_of_the_loads() -> None:
     assert json.dumps(summary["efforts"])
 
 
+BRAKE = FALLING + '\n[load.brake]\nat = "wheel.c"\nmoment = "-0.5 N m"'
+
+
+def test_power_into_kinetic_energy_is_named_with_what_it_leaves() -> None:
+    """Torque 1.5 N m - 2 N m w/w0: speed 37.5 rad/s (1 - exp(-0.4 t)); the brake takes 0.5 N m times it."""
+    summary = summary_of(BRAKE, 500)
+    effort = summary["efforts"]["wheel"]
+    begin, length = effort["begin"], 1.0 - effort["begin"]
+    speeds = [37.5 * (1.0 - math.exp(-0.4 * time)) for time in (begin, 1.0)]
+    angle = 37.5 * (length + (math.exp(-0.4) - math.exp(-0.4 * begin)) / 0.4)
+    assert effort["rise"]["value"] == pytest.approx(0.05 * (speeds[1] ** 2 - speeds[0] ** 2) / length, 1e-4)
+    assert effort["rest"]["value"] == pytest.approx(0.5 * angle / length, rel=2e-4)
+    text = " ".join(as_text(document(summary), 300).split())
+    assert f"takes {effort['rise']['value']:.4g} W, which leaves {effort['rest']['value']:.2f}" in text
+
+
+def test_figures_are_of_the_steady_turns_that_a_run_reaches() -> None:
+    """From 10 s on 1.3 % of the work raise the kinetic energy; a later turn has less, and is stated alone."""
+    text = FLYWHEEL.format(driver=BRAKE, run='duration = "20 s"\noutputs = 4000')
+    summary = vfife.simulate(loads(text)).summary
+    effort = summary["efforts"]["wheel"]
+    assert 10.5 < effort["begin"] < 14.0
+    assert effort["power"]["value"] == pytest.approx(0.5 * 37.5, rel=0.01)
+    assert abs(effort["rise"]["value"]) < 0.01 * effort["power"]["value"]
+    assert "kinetic energy takes" not in as_text(document(summary), 300)
+
+
+def test_of_two_drivers_what_the_kinetic_energy_leaves_is_not_known() -> None:
+    second = BRAKE + '\n[driver.other]\nbody = "wheel"\ntorque = "0.1 N m"'
+    summary = summary_of(second)
+    assert summary["efforts"]["other"]["rest"] is None
+    text = " ".join(as_text(document(summary), 300).split())
+    assert "while kinetic energy takes" in text and "which leaves" not in text
+
+
 SLOW = """
 [body.slow]
 mass = "1 kg"

@@ -207,6 +207,17 @@ def test_no_fall_is_named_where_it_is_the_experiment_or_nothing_falls() -> None:
     assert fall_remark(gallery.slider_crank(), turns=True) == ""
 
 
+def test_a_seated_start_without_reaction_is_advised_to_go_on_from_the_run() -> None:
+    """From rest without weight nothing presses journals: they fall, but not in the next run."""
+    model = gallery.load("four_bar_case_b", {"driver.crank.ramp": "0.1 s", "driver.crank.speed": "300 rpm"})
+    model = dataclasses.replace(model, start=dataclasses.replace(model.start, journals="seated"))
+    first = vfife.simulate(model, turns=1, companions=0)
+    text = first.summary["warnings"][first.summary["start_fall"]["index"]]
+    assert "starts without this fall" not in text and "no direction for C" in text and "--start-from" in text
+    following = vfife.simulate(model, turns=1, companions=0, start=first)
+    assert "start_fall" not in following.summary
+
+
 def test_a_comparison_of_laws_names_the_fall() -> None:
     result = vfife.compare(gallery.slider_crank_loose_pin(), contact=["hertz"], turns=1, companions=0)
     assert "those of the first" in str(comparison(result))

@@ -91,7 +91,8 @@ def test_runs_of_motors_have_rows_of_power_torque_and_speed() -> None:
     assert float(rows["wheel, largest speed"][2].split()[0]) == pytest.approx(
         100.0 * (new / old - 1.0), abs=0.01
     )
-    assert "turns of wheel, " in rows["wheel, part"][0] and rows["wheel, part"][0].endswith(" to 12 s")
+    assert "turns of wheel, " in rows["wheel, part"][0]
+    assert " to 12 s, while kinetic energy takes " in rows["wheel, part"][0]
     assert {"wheel, mean power", "wheel, rms torque", "wheel, largest torque", "wheel, least speed"} <= set(
         rows
     )
@@ -106,6 +107,59 @@ def test_a_motor_that_turns_nothing_is_said_first() -> None:
     assert summary["warnings"][0].startswith(words) and "inverse ratio" in summary["warnings"][0]
     steady = loads(FLYWHEEL.format(run='duration = "0.2 s"', driver='torque = "2 N m"'))
     assert "no body" not in certainty(vfife.simulate(steady).summary)
+
+
+PRESS = """
+[run]
+duration = "{duration}"
+step = "0.5 ms"
+outputs = 600
+[ground]
+O = [0, 0]
+P = [1, 0]
+[body.motor]
+mass = "5 kg"
+inertia = "0.05 kg m^2"
+position = [0, 0]
+[body.crank]
+mass = "5 kg"
+inertia = "2 kg m^2"
+position = [1, 0]
+[joint.O]
+bearing = "ground.O"
+journal = "motor.center"
+[joint.P]
+bearing = "ground.P"
+journal = "crank.center"
+[gear.reduction]
+first = "motor"
+second = "crank"
+ratio = -0.05
+[load.work]
+at = "crank.center"
+moment = "200 N m"
+times = ["0.6 s", "0.8 s"]
+factors = [1, {factor}]
+[driver.motor]
+interpolation = "linear"
+torque = ["30 N m", 0]
+speeds = [0, "160 rad/s"]
+"""
+
+
+@pytest.mark.parametrize(
+    ("duration", "factor", "words"),
+    [
+        ("1.1 s", 1, "Driver motor: crank is only 0.69 of a turn on at the end of the run."),
+        ("30 s", 3, "Driver motor: what it turns stands and crank is only 0.59 of a turn on at the end"),
+        ("3 s", 1, RUN_UP.replace("wheel", "motor")),
+    ],
+)
+def test_a_motor_whose_gears_turn_nothing_is_said_first(duration: str, factor: int, words: str) -> None:
+    """The motor makes turns, its crank on a gear of 1:20 makes none, or the load stops both."""
+    summary = vfife.simulate(loads(PRESS.format(duration=duration, factor=factor))).summary
+    assert summary["efforts"]["motor"]["turns"] >= 1
+    assert certainty(summary).startswith(words)
 
 
 def test_a_jump_to_another_clearance_has_a_caution() -> None:

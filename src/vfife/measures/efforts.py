@@ -27,11 +27,16 @@ from ..kernels.topology import SPEED, TIME
 from ..kinematics.forces import Action, actions
 from ..model.drivers import Driver
 from ..solvers.record import Record
-from .energy import driver_work
+from .energy import driver_work, kinetic
 from .motion import point_motion, rotation, times
 
 Array = NDArray[np.float64]
 CURVE_MARGIN = 0.01  # of the length of a curve over speed, by which a motor may leave it without a caution
+# Rise of the kinetic energy over turns, as a share of the work of the drivers in them, up to which the
+# machine neither speeds up nor slows down: the mean power is that of loads and losses within this share.
+STEADY = 0.01
+LAST_PART = 0.1  # of the outputs, in which a body that stands turns by less than
+STANDS = 1e-3  # of its path in the whole run: creep of regularised friction
 BLOCKS = tuple(f"particle_{name}" for name in ("x", "y", "theta", "u", "v", "w", "ax", "ay", "aw"))
 
 
@@ -43,19 +48,26 @@ class Estimate(TypedDict):
 
 
 class Span(NamedTuple):
-    """Outputs ``first`` to the last: the last ``turns`` of a ``body``, or without a body half of the run."""
+    """Outputs ``first`` to the last: the last ``turns`` of a ``body``, or without a body half of the run, in
+    which the kinetic energy rises by ``rise`` (J).
+    """
 
     first: int
     turns: int
     body: str
+    rise: float
 
 
 class Effort(TypedDict):
     """Figures of a driver: ``work`` (J) of the whole run; from the time ``begin`` on to ``end`` (s), which
     are the last ``turns`` of a ``body`` if there is one, mean ``power`` (W), ``rms`` and ``largest`` torque
     (N m) or force (N), and the least and largest speed ``low`` and ``high`` (rad/s or m/s) in the direction
-    in which it goes on the whole; ``start`` is that speed at the first output. ``linear``: whether it acts
-    along a line; ``curve``: whether it is a function of speed, as that of a motor.
+    in which it goes on the whole; ``start`` is that speed at the first output. ``rise``: mean power (W) that
+    goes into the kinetic energy of the machine; ``rest``: what it leaves of the power of the only driver,
+    None beside other drivers. ``linear``: whether it acts
+    along a line; ``curve``: whether it is a function of speed, as that of a motor. ``stands``: whether what
+    it turns has come to rest; ``parts``: shares of a turn (1) that bodies on gears are on at the end of the
+    run, of those that are less than one.
     """
 
     linear: bool
@@ -71,20 +83,23 @@ class Effort(TypedDict):
     largest: Estimate
     low: Estimate
     high: Estimate
+    rise: Estimate
+    rest: Estimate | None
+    stands: bool
+    parts: dict[str, float]
 
 
 def efforts(record: Record) -> dict[str, Effort]:
     """Return the figures of each driver that applies a torque or force, by name; none for one whose body is
     elastic, and none of a run with fewer than three outputs.
     """
-    mechanism, bodies = record.assembly.mechanism, record.assembly.bodies
+    mechanism = record.assembly.mechanism
     if record.static or len(record.steps) < 3 or not all(map(record.keeps, BLOCKS)):
         return {}
     figures, span = {}, None
     for action in actions(mechanism):
         kind, name = action.owner
-        rigid = not any(bodies[body].elements for body, *_ in action.ends if body != "ground")
-        if kind == "driver" and rigid:
+        if kind == "driver" and _is_rigid(record, action):
             span = working_span(record) if span is None else span
             figures[name] = _figures(record, action, mechanism.drivers[name], span)
     return figures
@@ -136,21 +151,56 @@ def work_of_drivers(record: Record, figures: dict[str, Effort]) -> Estimate | No
 
 def working_span(record: Record) -> Span:
     """Return the last whole turns of the body that goes round slowest, because a cycle of a geared machine is
-    one of its turns: those within half of the run, or one turn if it is longer. Half of the run where no
-    body goes round.
+    one of its turns: those within half of the run, or one turn if it is longer; only those in which the
+    machine neither speeds up nor slows down, if there are some. Half of the run where no body goes round.
     """
-    half = len(record.steps) // 2
-    paths = {}
+    half, energy, paths = len(record.steps) // 2, kinetic(record), {}
     for name, body in record.assembly.bodies.items():
         angle = record.block("particle_theta")[:, body.particles[0]]
         path = np.abs(angle[-1] - angle)
         if not body.elements and path[0] >= 2.0 * math.pi:
             paths[name] = path
     if not paths:
-        return Span(half, 0, "")
+        return Span(half, 0, "", float(energy[-1] - energy[half]))
     slowest = min(paths, key=lambda name: float(paths[name][0]))
-    turns = max(1, math.floor(float(paths[slowest][half]) / (2.0 * math.pi)))
-    return Span(int(np.flatnonzero(paths[slowest] >= 2.0 * math.pi * turns)[-1]), turns, slowest)
+    largest = max(1, math.floor(float(paths[slowest][half]) / (2.0 * math.pi)))
+    work = _work_of_efforts(record)
+
+    def span(turns: int) -> Span:
+        first = int(np.flatnonzero(paths[slowest] >= 2.0 * math.pi * turns)[-1])
+        return Span(first, turns, slowest, float(energy[-1] - energy[first]))
+
+    spans = map(span, range(largest, 0, -1))
+    steady = (part for part in spans if abs(part.rise) <= STEADY * abs(float(work[-1] - work[part.first])))
+    return next(steady, span(largest))
+
+
+def _work_of_efforts(record: Record) -> Array:
+    """Return the work (J) of all drivers that apply a torque or force, up to each output."""
+    work = np.zeros(len(record.steps))
+    for action in actions(record.assembly.mechanism):
+        if action.owner[0] == "driver" and _is_rigid(record, action):
+            torque = action.function.sampled(_argument(record, action))[:, 0]
+            rises = np.diff(_motion(record, action)[0])
+            work[1:] += (0.5 * (torque[1:] + torque[:-1]) * rises).cumsum()
+    return work
+
+
+def _is_rigid(record: Record, action: Action) -> bool:
+    """Return whether no body that a driver acts on is elastic."""
+    bodies = record.assembly.bodies
+    return not any(bodies[body].elements for body, *_ in action.ends if body != "ground")
+
+
+def _parts(record: Record) -> dict[str, float]:
+    """Return the shares of a turn (1) that bodies on gears are on at the end, of those less than one."""
+    gears = record.assembly.mechanism.gears.values()
+    parts = dict[str, float]()
+    for body in dict.fromkeys(name for gear in gears for name in (gear.first, gear.second)):
+        angle = rotation(record, body).position
+        share = abs(float(angle[-1] - angle[0])) / (2.0 * math.pi)
+        parts |= {body: share} if share < 1.0 and body != "ground" else {}
+    return parts
 
 
 def _figures(record: Record, action: Action, driver: Driver, span: Span) -> Effort:
@@ -163,6 +213,9 @@ def _figures(record: Record, action: Action, driver: Driver, span: Span) -> Effo
     rms, missed = math.sqrt(square["value"]), square["missed"]
     way = -1.0 if place[-1] < place[span.first] else 1.0
     bend = _bend(speed[part])
+    power = _integral(torque[part], place[part], is_resolved, length)
+    rise, alone = span.rise / length, len(record.assembly.mechanism.drivers) == 1
+    late = place[-max(3, math.ceil(LAST_PART * len(place))) :]
     return Effort(
         linear=driver.is_linear,
         curve=action.argument[0] == SPEED,
@@ -172,11 +225,15 @@ def _figures(record: Record, action: Action, driver: Driver, span: Span) -> Effo
         turns=span.turns,
         body=span.body,
         work=_integral(torque, place, is_resolved),
-        power=_integral(torque[part], place[part], is_resolved, length),
+        power=power,
         rms=Estimate(value=rms, missed=None if missed is None else math.sqrt(square["value"] + missed) - rms),
         largest=_largest(action, driver, argument[part]),
         low=Estimate(value=float((way * speed[part]).min()), missed=bend),
         high=Estimate(value=float((way * speed[part]).max()), missed=bend),
+        rise=Estimate(value=rise, missed=0.0),
+        rest=Estimate(value=power["value"] - rise, missed=power["missed"]) if alone else None,
+        stands=bool(np.ptp(late) <= STANDS * np.ptp(place)),
+        parts=_parts(record),
     )
 
 

@@ -14,6 +14,7 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
+from ..assembly.stability import joint_mobility
 from ..laws.law import FrictionLaw
 from ..model.surfaces import surfaces
 from ..numerics.elementwise import hypot
@@ -122,3 +123,17 @@ def largest_coefficient(law: FrictionLaw) -> float:
     if not names:
         return 0.0  # "none"
     return max((float(getattr(law, name)) for name in COEFFICIENTS if name in names), default=UNKNOWN)
+
+
+def friction_changes(record: Record) -> Array:
+    """Return the change of the sliding velocity (m/s) of each contact that its largest coefficient of
+    friction makes within a step, shape (contacts,): under the median of its normal forces at the outputs, and
+    with the least mass in any direction at the start; 0 without any force.
+    """
+    assembly = record.assembly
+    forces = record.block("contact_normal_force")
+    usual = [float(np.median(column[column > 0.0])) if (column > 0.0).any() else 0.0 for column in forces.T]
+    laws = [assembly.mechanism.contacts[name].friction for name in assembly.contact_joints]
+    coefficients = np.array([largest_coefficient(law) for law in laws])
+    inverse = joint_mobility(assembly.layout, assembly.state, assembly.topology)
+    return np.asarray(coefficients * np.array(usual) * inverse * assembly.choice.step)

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..assembly.timestep import MANY_OUTPUTS
+from ..laws.friction.forms import StaticFriction, regime_of_peak
 from ..laws.materials import hardness_of
 from ..measures.contacts import CONFORMAL, line_pressure
 from ..measures.efforts import excess_speeds
 from ..measures.energy import open_share, own_floor
 from ..measures.landings import lasting_landings
 from ..measures.motion import at_rest
-from ..measures.normal_forces import largest_normal_forces
+from ..measures.normal_forces import friction_changes, largest_normal_forces
 from ..measures.rounding import rounding_noise
 from ..measures.trust import OPEN
 from ..measures.turns import full_run
@@ -47,6 +48,9 @@ if TYPE_CHECKING:
     from ..solvers.record import Record
 
 CORNERS = " A block touches its guide with its corners: a larger corner_radius lowers both there."
+# Of the change of the sliding velocity that static friction makes in a step: where the peak of a curve lies
+# at a lower speed, a reversal passes it. Blocks shaken at 5 to 30 Hz slid on with peaks up to 0.06 of it.
+PASSED = 0.1
 PIN = 0.1  # of the journal's radius: a pin that sinks in deeper has lost its shape
 # Endings of measures that a rebound changes: speeds, numbers and energies of impacts.
 OF_IMPACTS = (".approach_speed.max", ".impacts", ".impact_energy.total", ".impact_power.mean")
@@ -122,6 +126,7 @@ def transient_cautions(result: RunData, verdict: str, of_laws: Iterable[str]) ->
     yield from rounding_cautions(result)
     yield from whirl_cautions(record)
     yield from of_laws
+    yield from peak_cautions(record)
     yield from open_contact_cautions(record)
     yield from out_of_range(result)
     if (share := open_share(record, result.ledger)) > OPEN:
@@ -227,6 +232,28 @@ def whirl_cautions(record: Record) -> Iterator[str]:
             " whirl); forces"
             " grow far beyond the ideal ones. An oil film prevents this: lower the coefficient of friction,"
             ' or take the contact law "hydrodynamic".'
+        )
+
+
+def peak_cautions(record: Record) -> Iterator[str]:
+    """Yield a sentence on the joints whose friction has its peak in a range of speeds that a step passes."""
+    contacts, steepest = record.assembly.mechanism.contacts, dict[str, float]()
+    if not contacts or not record.keeps("contact_normal_force"):
+        return
+    for name, change in largest_by_joint(record, friction_changes(record)).items():
+        law, pair = contacts[name].friction, surfaces(record.assembly.mechanism, contacts[name])
+        has_peak = isinstance(law, StaticFriction) and law.static_coefficient > law.coefficient
+        if has_peak and law.regime is regime_of_peak:
+            steepest[name] = law.parameters(pair)[2] * change
+    names = [name for name, steepness in steepest.items() if steepness > 1.0 / PASSED]
+    if names:
+        step = record.assembly.choice.step / (PASSED * max(steepest.values()))
+        yield (
+            f"Joint{'s' * (len(names) > 1)} {and_words(names)}: the speed at which"
+            f" {contacts[names[0]].friction.name} has static friction is passed within a step, so that"
+            " surfaces whose sliding turns round may slide on against kinetic friction where static friction"
+            f" would hold them: take a step below {step:.2g} s, a higher speed of the peak, or karnopp, which"
+            " holds one contact of a body with any step."
         )
 
 

@@ -45,6 +45,11 @@ def fall_remedy(mechanism: Mechanism, joints: Iterable[str], turns: bool) -> str
     seats = [name for name in joints if name in mechanism.clearances]
     blocks = [name for name in joints if name not in seats]
     sentences = [f"{SEATED} starts without this fall."] if seats else []
+    if seats and mechanism.start.journals == "seated":
+        sentences = [
+            f"{SEATED} has no direction for {and_words(seats)}, whose ideal reaction is zero at the start: go"
+            " on from the end of this run, vfife run MODEL --start-from RUN."
+        ]
     if blocks:
         subject = f"The slider{'s' * (len(blocks) > 1)} of {and_words(blocks)} cannot start seated"
         leave = "" if turns else ": read the curves after the fall"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 
+from ..measures.efforts import STEADY
 from ..measures.statics import EXACT
 from ..measures.stops import stop_sentence
 from ..measures.values import NOT_ESTIMATED
@@ -249,7 +250,7 @@ def effort_facts(summary: Json) -> Iterator[tuple[str, str]]:
     """Yield name and text of each driver that applies a torque or force, and the speed that it reached."""
     for name, effort in summary.get("efforts", {}).items():
         texts = [text for _, text, _ in _figures(effort)]
-        yield f"Driver {name}", f"{', '.join(texts)} in {_span(effort)} ({NOT_ESTIMATED})"
+        yield f"Driver {name}", f"{', '.join(texts)} in {_span(effort)}{_pace(effort)} ({NOT_ESTIMATED})"
     for name, speed in summary["run"].get("reached", {}).items():
         low, high, end = (f"{speed[key]:.4g} rad/s" for key in ("low", "high", "end"))
         rpm = f"{30.0 * speed['end'] / math.pi:,.4g} rpm"
@@ -260,7 +261,7 @@ def effort_lines(summary: Json) -> Iterator[tuple[str, str]]:
     """Yield name and text of each such driver, with what its figures miss between outputs."""
     for name, effort in summary.get("efforts", {}).items():
         figures = list(_figures(effort))
-        yield name, f"{', '.join(text for _, text, _ in figures)} in {_span(effort)}"
+        yield name, f"{', '.join(text for _, text, _ in figures)} in {_span(effort)}{_pace(effort)}"
         missed = ", ".join(f"{word} {missed}" for word, _, missed in figures)
         yield name, f"what outputs miss: {missed}; change with the step {NOT_ESTIMATED}"
 
@@ -273,10 +274,24 @@ def _span(effort: Json) -> str:
     return f"{turns} of {body}, {times}" if count else f"the second half of the run, {times}"
 
 
+def _pace(effort: Json) -> str:
+    """Return the mean power of the kinetic energy while a machine speeds up or slows down, and the power that
+    this leaves for loads and losses; "" for a machine that does neither.
+    """
+    rise, power = effort.get("rise", {"value": 0.0})["value"], effort["power"]["value"]
+    if abs(rise) <= STEADY * abs(power):
+        return ""
+    text = f", while kinetic energy {'takes' if rise > 0.0 else 'gives'} {prefixed(abs(rise), 'W')}"
+    if (rest := effort["rest"]) is None:
+        return text
+    is_small = abs(rest["value"]) <= max(STEADY * abs(power), rest["missed"] or 0.0)
+    return f"{text}, which leaves {'about 0 W' if is_small else _rounded(rest, 'W')}"
+
+
 def effort_texts(effort: Json) -> dict[str, tuple[float, str]]:
     """Return value and text of each figure of a driver by its word; the part of the run has no value."""
     keys = ("power", "rms", "largest", "low", "high")
-    return {"part": (0.0, _span(effort))} | {
+    return {"part": (0.0, f"{_span(effort)}{_pace(effort)}")} | {
         word: (effort[key]["value"], f"{text.removeprefix(word).lstrip()} ({NOT_ESTIMATED})")
         for key, (word, text, _) in zip(keys, _figures(effort), strict=True)
     }

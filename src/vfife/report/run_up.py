@@ -27,21 +27,36 @@ def run_ups(summary: Json) -> dict[str, float]:
 
 
 def stalls(summary: Json) -> list[str]:
-    """Return the motors of a run at whose end no body is a whole turn on."""
+    """Return words on each motor that stands at the end of a run, or with which a body on gears, or every
+    body, is less than a turn on.
+    """
     if summary["status"] in FAILURES:
         return []
-    return [name for name, effort in _motors(summary) if effort["curve"] and not effort["turns"]]
+    return [
+        f"Driver {name}: {words}."
+        for name, effort in _motors(summary)
+        if effort["curve"] and (words := _stall(effort))
+    ]
+
+
+def _stall(effort: Json) -> str:
+    """Return how far a motor does not turn its machine; "" for one that does."""
+    if not effort["turns"]:
+        return "no body is a whole turn on at the end of the run"
+    parts = [
+        f"{body} is only {math.floor(100.0 * share) / 100.0:.2g} of a turn on"
+        for body, share in effort.get("parts", {}).items()
+    ]
+    stands = ["what it turns stands"] * effort.get("stands", False)
+    return f"{and_words([*stands, *parts])} at the end of the run" if stands or parts else ""
 
 
 def motor_sentence(summary: Json, remedy: bool = False) -> str:
     """Return that values include a run-up, or that a motor does not turn its machine, and a ``remedy``; ""
     for other runs.
     """
-    if names := stalls(summary):
-        text = (
-            f"Driver{'s' * (len(names) > 1)} {and_words(names)}: no body is a whole turn on at the end of the"
-            " run."
-        )
+    if sentences := stalls(summary):
+        text = " ".join(sentences)
         action = (
             "If the machine should go round, look for a torque that is too small for the loads or has the"
             " wrong sign, for a gear with the inverse ratio, or take a longer run."
