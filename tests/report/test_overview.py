@@ -34,7 +34,7 @@ from vfife.report.run_tables import damped_joints
 from vfife.report.terminal import write
 from vfife.units import in_rpm
 
-SCREEN = 24 - 2  # lines of a terminal, without the two that name the folder and the next commands
+SCREEN = 24 - 1  # lines of a terminal: the folder and the next commands may move the title out of it
 
 
 @cache
