@@ -22,6 +22,7 @@ from vfife.modelfile import loads
 from vfife.report.amounts import prefixed
 from vfife.report.cautions import law_cautions
 from vfife.report.design import document, life_range, life_sentence, row, turns_words, value_cautions
+from vfife.results.derivatives import Effect
 from vfife.solvers.arguments import Arguments
 from vfife.solvers.status import Progress
 from vfife.studies import allocate
@@ -287,7 +288,8 @@ def test_a_part_that_fails_is_named_and_the_others_are_there(monkeypatch) -> Non
     assert found.missing == {"sensitivity": "the run diverged"}  # the limit is that of the nominal machine
     assert found.complete and found.joints[0].life == answer().joints[0].life
     assert found.joints[0].fit == answer().joints[0].fit
-    assert "not known: the run diverged." in " ".join(document(found).parts[0].parts[-2].parts[0].texts)
+    cautions = " ".join(document(found).parts[0].parts[-2].parts[0].texts)
+    assert "Derivatives do not confirm these effects: the run diverged." in cautions
 
 
 @pytest.mark.slow("the answer of a part")
@@ -488,6 +490,41 @@ def test_the_nominal_machine_is_measured_as_the_machines_of_the_fits() -> None:
     low, high = work.nominal_range
     assert low <= work.nominal <= high and work.limit == pytest.approx(1.1 * work.nominal)
     assert low - 1e-3 * low < outcome.values[work.measure] < high + 1e-3 * high
+
+
+@pytest.mark.slow("a design with its fits")
+def test_fits_that_were_chosen_survive_an_interruption_of_the_machines_within_their_limits(
+    monkeypatch,
+) -> None:
+    stub(monkeypatch, "sensitivity", answer().sensitivity)
+    stub(monkeypatch, "allocate", answer().allocation)
+
+    def interrupted(limits):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(module, "corner_clearances", interrupted)
+    with pytest.raises(Interrupted) as caught:
+        vfife.design(loose_pin(), **BRIEF, **WEAR)
+    found = caught.value.result
+    assert found.missing == {"limits": module.INTERRUPTED, "life": module.INTERRUPTED}
+    assert found.joints[0].fit == answer().joints[0].fit and not len(found.values_within_limits)
+    text = str(document(found).parts[0].parts[0])
+    assert "parts are missing: lives and machines within the limits of the fits" in text
+
+
+def test_a_ranking_alone_costs_no_derivatives_where_no_effect_is_known(monkeypatch) -> None:
+    """Effects of larger clearances disagree on the sign, so that derivatives have nothing to check."""
+    model = loose_pin()
+    unknown = {"joint.pin.clearance": Effect("joint.pin.clearance", "unknown", 0.1, -0.2, 0.3)}
+    monkeypatch.setattr(module, "growth_effects", lambda *_: unknown)
+    stub(monkeypatch, "sensitivity", AssertionError("derivatives were computed"))
+    found = vfife.design(model, **BRIEF, ranking=True)
+    assert found.complete and found.sample.count == module.MACHINES
+    assert found.missing == {"fits": module.RANKING, "life": module.RANKING}
+    low, high = found.sample.span
+    assert high > 1.01 * low  # so that the sentence must not say that the clearance does not matter
+    first = document(found).data["conclusion"][0]
+    assert "matters most" in first or "visibly" in first
 
 
 def test_the_forecast_times_machines_with_different_clearances(monkeypatch) -> None:

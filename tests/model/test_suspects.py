@@ -553,3 +553,19 @@ def test_a_stop_at_an_angle_of_many_turns_is_told() -> None:
     m.stop("bump", "crank", "coupler", low=0.1, high=170.0, stiffness=1.0)
     (told,) = suspects(m)
     assert "spring.bump.high is 170 rad, which is 27.1 turns" in told
+
+
+def test_a_piston_with_another_diameter_than_its_cylinder_has_a_caution() -> None:
+    """A larger bore alone moves the force of the gas and leaves the piston as it was."""
+    model = gallery.compressor()
+    assert not suspects(model)
+    (text,) = suspects(pressed(model, bore=0.08))
+    assert "load.gas.bore is 80 mm, and joint.cylinder.height 65 mm" in text
+
+
+def test_a_clearance_of_a_seventh_of_the_radius_has_a_caution() -> None:
+    """2 mm in a bearing of 14 mm are a slip of the unit, not play."""
+    model = gallery.compressor()
+    joint = dataclasses.replace(model.joints["big-end"], clearance=0.002)
+    (text,) = suspects(dataclasses.replace(model, joints={**model.joints, "big-end": joint}))
+    assert "big-end" in text and "clearance" in text

@@ -32,7 +32,6 @@ from ..studies.methods.allocation import (
     expected_machines,
     machine_counts,
     most_machines,
-    options_of,
     read_allotment,
 )
 from ..studies.methods.derivatives import forecast as sensitivity_forecast
@@ -75,6 +74,7 @@ from .sample import (
     ideal_value,
     joined,
     law_caution,
+    limits_of,
     near_machines,
     run_machines,
     sampled_clearances,
@@ -91,9 +91,9 @@ BATCH = 32  # machines simulated at once: fewer go to choices dearer than the on
 RELATIVE_COST = {"IT7": 2.5, "IT8": 1.6, "IT9": 1.0}
 # Choices of fits that are all tried; of more (four joints with five fits each), joint by joint.
 MOST_CHOICES = 125
-SPREAD = 0.5  # share by which the clearance of a joint without a fit differs among the machines that rank it
 BRIEF = 6.0  # s: machines like the model that take less are run before the forecast, which they time
 INTERRUPTED = "the computation was interrupted"
+RANKING = "only the ranking of the clearances was requested (ranking)"
 
 
 class DesignOptions(Watch, total=False):
@@ -108,9 +108,10 @@ class DesignOptions(Watch, total=False):
     clearance: float | None  # m, the clearance that ends a life; twice the own one
     joints: Sequence[str] | None  # that get a fit, others keep their clearance; all
     same_fit: bool  # in all joints, the same grades where their letters differ
+    ranking: bool  # of the clearances alone, without fits and lives
 
 
-@with_options(DesignOptions, share=SHARE, wear_turns=1e6, same_fit=False, confirm=False)
+@with_options(DesignOptions, share=SHARE, wear_turns=1e6, same_fit=False, ranking=False, confirm=False)
 def design(mechanism: Mechanism, of: str | None = None, **options: Unpack[DesignOptions]) -> Design:
     """Answer which clearance matters for a measure, which ISO fits keep its limit, and how long joints last.
 
@@ -124,6 +125,7 @@ def design(mechanism: Mechanism, of: str | None = None, **options: Unpack[Design
     than 125 choices of fits are not all tried: the cheapest grades common to all ``joints`` come first, then
     cheaper fits joint by joint, unless ``same_fit``. Lives are those of :func:`vfife.wear`, for
     joints with a table ``wear``, or all with the coefficient ``wear``; a life ends at ``clearance`` (m).
+    With ``ranking`` the answer has neither fits nor lives.
 
     A measure of knocks, such as ``C.approach_speed.max``, is that of the later half of the ``turns``, at
     least two: without the fall of the journals onto their bearings with which a run starts.
@@ -273,6 +275,8 @@ class DesignWork:
             parts["sensitivity"] = with_growths(answer, count, seconds)
         if self.needs_ranks(has_effects=differentiated):
             parts["ranks"] = machines(MACHINES)
+        if self.options.get("ranking"):
+            return parts
         if self.allotment is not None:
             task = self.allotment[1]
             count = expected_machines(task) + corner_count(len(self.letters)) + FIT_MACHINES
@@ -331,10 +335,13 @@ class DesignWork:
             weights["ranks"] = MACHINES * (self.machine_seconds or self.table_seconds)
         total, begin = sum(weights.values()) or 1.0, 0.0
         machines = 0 if self.allotment is None else most_machines(self.allotment[1])
-        work: dict[str, Callable[[Job], Any]] = {
-            "sensitivity": self.sensitivities, "ranks": self.ranks, "fits": self.fits, "life": self.lives,
-        }  # fmt: skip
+        parts = self.sensitivities, self.ranks, self.fits, self.limits_of_fits, self.lives
+        work: dict[str, Callable[[Job], Any]] = dict(zip(PARTS, parts, strict=True))
         for name, compute in work.items():
+            if self.options.get("ranking") and name in ("fits", "life"):
+                self.missing[name] = RANKING
+            if name in self.missing or (name == "limits" and self.answers.get("fits") is None):
+                continue
             end = min(1.0, begin + weights.get(name, 0.0) / total)
             try:
                 if not complete:
@@ -403,9 +410,10 @@ class DesignWork:
         return self.turns * timed_machine(self.mechanism, limits, force, NEAR_MACHINES)
 
     def sensitivities(self, job: Job) -> Sensitivity | None:
-        """Differentiate the measure by all clearances, and run machines with larger ones; these alone (None)
-        for a coordinate and for a statistic of a channel: see :func:`is_grown`. Raises VfifeError for a
-        measure without effects.
+        """Run machines with larger clearances, then differentiate the measure by all clearances, which checks
+        the effects. These machines alone (None) for a coordinate and for a statistic of a channel: see
+        :func:`is_grown`, and where they leave no effect to check. Raises VfifeError for a measure without
+        effects.
         """
         if not differentiable(self.measure):
             raise VfifeError(f"{self.measure} has no derivatives")
@@ -417,13 +425,12 @@ class DesignWork:
                 f"{' of the difference from the ideal one' * is_coordinate(self.measure)} in {self.measure}"
             )
         paths = {path_of(name): gap for name, gap in self.clearances.items()}
-        answer = None
-        if not is_grown(self.measure):
-            answer = sensitivity(self.mechanism, [self.measure], list(paths), turns=self.turns, progress=job)
-        if answer is None or self.measure not in answer.doubtful:
-            machines = PartJob(job, "larger clearances", (0.0, 1.0))
-            self.growths = growth_effects(self.mechanism, paths, self.spec(), machines)
-        return answer
+        machines = PartJob(job, "larger clearances", (0.0, 1.0))
+        self.growths = growth_effects(self.mechanism, paths, self.spec(), machines)
+        unknown = all(growth.kind == "unknown" for growth in self.growths.values())
+        if unknown or is_grown(self.measure):
+            return None
+        return sensitivity(self.mechanism, [self.measure], list(paths), turns=self.turns, progress=job)
 
     def ranks(self, job: Job) -> MachineSample | None:
         """Run machines by which clearances are ranked, unless the effects of all of them are known."""
@@ -444,43 +451,34 @@ class DesignWork:
         return run_machines(self.mechanism, clearances, paths, self.spec(), job)
 
     def clearance_limits(self, joint: str) -> tuple[float, float]:
-        """Return the least and largest clearance (m) of the fits that a joint may have; half and one and a
-        half times its own where it has no nominal size.
-        """
-        clearance, fit = self.clearances[joint], self.all_letters.get(joint)
-        if fit is None:
-            return (1.0 - SPREAD) * clearance, (1.0 + SPREAD) * clearance
-        letters = "/".join(name.rstrip("0123456789") for name in fit.split("/"))
-        size = self.mechanism.contacts[joint].nominal_size or 0.0
-        options = options_of(letters, size, self.options["cost"] or RELATIVE_COST)
-        limits = [option.clearance.limits for option in options]
-        return min(low for low, _ in limits), max(high for _, high in limits)
+        """Return the least and largest clearance (m) of the fits that a joint may have."""
+        size, cost = self.mechanism.contacts[joint].nominal_size, self.options["cost"] or RELATIVE_COST
+        return limits_of(self.all_letters.get(joint), size or 0.0, cost, self.clearances[joint])
 
     def fits(self, job: Job) -> Allocation:
-        """Allocate fits that keep the limit, and run machines at the limits of their clearances. Raises
-        VfifeError where there is no limit or no fit.
-        """
+        """Allocate fits that keep the limit. Raises VfifeError where there is no limit or no fit."""
         if not self.letters:
             sizes = f"{1e3 * LEAST_SIZE:g} to {1e3 * LARGEST_SIZE:g} mm"
             raise VfifeError(f"no joint has a nominal size of {sizes}")
         if self.limit is None:
             raise VfifeError(missing_limit(self.measure, self.nominal, self.scale))
-        answer = allocate(self.mechanism, **self.tables(self.limit), progress=job)
-        if answer.choice is not None:
-            options = zip(answer.task.parameters, answer.choice.options, strict=True)
-            limits = {parameter.name: option.clearance.limits for parameter, option in options}
-            self.corners = self.run_machines(list(limits), corner_clearances(limits), job)
-            parts = dataclasses.replace(self.design(), allocation=answer).even_machines
-            if (count := EVEN_MACHINES - sum(len(part.values) for part in parts)) > 0:
-                self.inside = self.run_machines(
-                    list(limits), sampled_clearances(limits, count, EVEN_SEED), job
-                )
-            for _ in range(ROUNDS):
-                design = dataclasses.replace(self.design(), allocation=answer)
-                if machine := design.clearances_of_largest:
-                    part = self.run_machines(list(limits), clearances_around(machine, limits), job)
-                    self.around = joined([self.around, part] if self.around else [part])
-        return answer
+        return allocate(self.mechanism, **self.tables(self.limit), progress=job)
+
+    def limits_of_fits(self, job: Job) -> None:
+        """Run machines at the limits of the clearances of the chosen fits, within them, and near the machine
+        with the largest value.
+        """
+        limits = {joint.name: joint.limits for joint in self.design().joints if joint.limits}
+        if not limits:
+            return
+        self.corners = self.run_machines(list(limits), corner_clearances(limits), job)
+        count = EVEN_MACHINES - sum(len(part.values) for part in self.design().even_machines)
+        if count > 0:
+            self.inside = self.run_machines(list(limits), sampled_clearances(limits, count, EVEN_SEED), job)
+        for _ in range(ROUNDS):
+            if machine := self.design().clearances_of_largest:
+                part = self.run_machines(list(limits), clearances_around(machine, limits), job)
+                self.around = joined([self.around, part] if self.around else [part])
 
     def lives(self, job: Job) -> Worn:
         """Simulate wear. Raises VfifeError for a mechanism that does not wear."""

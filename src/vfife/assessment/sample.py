@@ -27,6 +27,7 @@ from ..simulation.simulate import Prepared, run_prepared
 from ..solvers.status import Status
 from ..studies.engine.cases import Outcome, run_cases
 from ..studies.engine.step_trials import repeated_step
+from ..studies.methods.allocation import options_of
 from ..studies.spec.distributions import places
 from ..studies.spec.plan import CaseSpec
 from .ranking import Rank, partial_ranks
@@ -50,7 +51,11 @@ MOST_CORNER_JOINTS = 3  # all combinations of limits of more joints are more tha
 EVEN_MACHINES, EVEN_SEED = 59, 2
 FIT_MACHINES = EVEN_MACHINES + ROUNDS * AROUND  # within the limits of the fits, beside their corners
 LOADS = (".force.max", ".torque.max")  # endings of measures that cautions on the contact law name
-PARTS = {"sensitivity": "sensitivities", "ranks": "ranks", "fits": "fits", "life": "wear"}
+PARTS = {
+    "sensitivity": "sensitivities", "ranks": "ranks", "fits": "fits",
+    "limits": "machines within the limits of the fits", "life": "wear",
+}  # fmt: skip
+SPREAD = 0.5  # share by which the clearance of a joint without a fit differs among the machines that rank it
 Array = NDArray[np.float64]
 
 
@@ -172,6 +177,20 @@ def law_caution(prepared: Prepared, measure: str) -> str | None:
     cautions, joint = law_cautions(result), measure.partition(".")[0]
     texts = cautions.joints.get(joint), cautions.shocks.get(joint), cautions.loads.get(measure)
     return next(filter(None, texts), "")
+
+
+def limits_of(
+    fit: str | None, size: float, cost: Mapping[str, float], clearance: float
+) -> tuple[float, float]:
+    """Return the least and largest clearance (m) of a joint of nominal ``size`` (m) with the letters of
+    ``fit`` and any grade with a ``cost``; half and one and a half times its own ``clearance`` (m) without
+    a fit.
+    """
+    if fit is None:
+        return (1.0 - SPREAD) * clearance, (1.0 + SPREAD) * clearance
+    letters = "/".join(name.rstrip("0123456789") for name in fit.split("/"))
+    limits = [option.clearance.limits for option in options_of(letters, size, cost)]
+    return min(low for low, _ in limits), max(high for _, high in limits)
 
 
 def run_machines(

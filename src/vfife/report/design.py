@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from ..assessment.answer import Design, JointDesign, Life
 
 IMPACT_MEASURES = (".approach_speed.max", ".impacts", ".impact_power.mean")
+PART_WORDS = {"life": "lives", "limits": "machines within the limits of the fits"}
 NO_LAW_CAUTION = "no caution says that the contact law decides this measure."
 NO_MATTER = (
     1.0  # %; a clearance that changes the measure by no more over its tolerance does not matter for it
@@ -276,7 +277,7 @@ def equal_joints(joints: list[JointDesign], decisive: JointDesign) -> list[str]:
 
 def indifference(design: Design, subject: str) -> str:
     """Return that no clearance matters, if none changes the measure by more than :data:`NO_MATTER` over its
-    tolerance, and machines within the limits of the fits differ by no more; "" otherwise.
+    tolerance, and machines within the limits of the fits (those that rank, without fits) differ by no more.
 
     The effect of a growth of the clearance is continued as a line over the width of the tolerance; without a
     fit it is that of the growth. A coordinate is compared with its difference from the ideal mechanism.
@@ -292,14 +293,15 @@ def indifference(design: Design, subject: str) -> str:
         )
         changes.append(size * max(1.0, width / joint.growth))
     values, allowed = design.values_within_limits.tolist(), 0.01 * NO_MATTER * design.scale
+    if not values and design.sample is not None and design.sample.count:
+        values = list(design.sample.span)
     if max(changes) > NO_MATTER * unit or (values and max(values) - min(values) > allowed):
         return ""
     parts = {True: "over the tolerance of its fit", False: "with the larger clearance of the table"}
     kinds = {joint.limits is not None for joint in design.joints}
     over = " or ".join(text for fitted, text in parts.items() if fitted in kinds)
-    beginning = f"None of the clearances matters for {subject}: each"
-    if len(changes) == 1:
-        beginning = f"The clearance of {design.joints[0].name} does not matter for {subject}: it"
+    single = f"The clearance of {design.joints[0].name} does not matter for {subject}: it"
+    beginning = single if len(changes) == 1 else f"None of the clearances matters for {subject}: each"
     largest = percent(math.ceil(100.0 * max(changes)) / 100.0)
     if design.by_difference:
         largest = difference_words(max(changes), design.unit, 0.1 * max(changes), UP)
@@ -347,7 +349,8 @@ def machine_range(design: Design) -> tuple[str, str]:
 def interruption(design: Design) -> Iterator[str]:
     """Yield which parts of an interrupted answer are missing; the life may be there in part."""
     if not design.complete:
-        missing = f": {and_words(sorted(design.missing))}" if design.missing else ""
+        names = [PART_WORDS.get(part, part) for part in sorted(design.missing)]
+        missing = f": {and_words(names)}" if names else ""
         yield f"The computation was interrupted: parts are missing{missing}."
 
 
@@ -374,7 +377,7 @@ def value_cautions(design: Design) -> Iterator[str]:
         yield no_blows(design.measure)
     yield from rebound_cautions(design.mechanism, [design.measure])
     if design.measure.endswith((".force.max", ".torque.max")):
-        yield "These machines have no cautions: vfife run states whether the contact law decides a force."
+        yield "The page has no knocks and no cautions of these machines: vfife run states both."
         if design.law_caution is not None:
             yield f"In a run of the model: {design.law_caution or NO_LAW_CAUTION}"
     low, high = design.nominal_range or (0.0, 0.0)
@@ -413,6 +416,8 @@ def effect_cautions(design: Design) -> Iterator[str]:
             f" time steps; clearances elsewhere may have another effect. It is {UNKNOWN} if its sign differs"
             " among the five."
         )
+        if reason := design.missing.get("sensitivity"):
+            yield f"Derivatives do not confirm these effects: {end(reason)}"
     elif design.sensitivity is not None:
         yield (
             f"Effects of larger clearances are {UNKNOWN}: runs with slightly different clearances or time"
@@ -433,6 +438,11 @@ def next_steps(design: Design, model: str) -> Iterator[str]:
     if shows_ranks(design):
         options = settling_options(design.turns)
         yield f"vfife run {model} {options}   (does the motion repeat? then: vfife design --turns N)"
+    if not design.measure.endswith(IMPACT_MEASURES):
+        first = next(iter(design.mechanism.contacts))
+        contact = f"{first}.1" if design.mechanism.contacts[first].is_guide else first
+        command = f"vfife design {quote(model)} --of {quote(f'{contact}.approach_speed.max')}"
+        yield f"{command}   (the same for knocks, which this page does not have)"
     if differentiable(design.measure) and not is_reduction(design.measure) and not design.sensitive:
         command = f"vfife sensitivity {quote(model)} --of {quote(design.measure)}"
         yield f"{command}   (the effect of all other numbers)"

@@ -21,7 +21,7 @@ from .amounts import (
     turns_words,
 )
 from .digits import NOT_DETERMINED
-from .wear import groove_sentences, open_life_sentence
+from .wear import groove_sentences, open_life_sentence, wear_length
 
 if TYPE_CHECKING:
     from ..assessment.answer import Design, Life
@@ -193,6 +193,7 @@ def life_cautions(design: Design, wear: Worn) -> Iterator[str]:
         "Lives are inversely proportional to wear coefficients, which are uncertain by decades. The range"
         f" of a life covers scatter over turns and the time step, {covered}."
     )
+    yield from wear_length(design.mechanism, wear.joints)
     if flat := [assessed.name for assessed in design.joints if assessed.name in design.flat_joints]:
         yield (
             f"The life of {and_words(flat)} is {MISSING}: wear is simulated of a journal in a round"

@@ -41,7 +41,6 @@ from .run import (
     actuator_facts,
     document,
     effort_facts,
-    length_note,
     reversed_power,
     torque_text,
     wear_facts,
@@ -76,6 +75,7 @@ from .trust import (
     verdict,
     without_turns,
 )
+from .wear import length_note
 
 STEPS_DECIDE = "Sensitive to the step size"
 RELIABLE = "Reliable numerically"  # laws and data of the model are no part of it

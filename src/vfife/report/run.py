@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 from ..measures.efforts import STEADY
 from ..measures.statics import EXACT
@@ -86,17 +86,6 @@ def document(summary: Json, limit: int = FACTORS) -> Document:
 def footnotes(summary: Json) -> list[str]:
     """Return the meanings of the asterisks in the tables."""
     return [CONFORMAL] * bool(summary["conformal"]) + [SHARED] * bool(summary["not_unique"])
-
-
-def length_note(summary: Json, joints: Iterable[str]) -> str:
-    """Return a sentence on the ``joints`` whose pressure is on a default length that is unlike their
-    size; "" for none.
-    """
-    names = [name for name in joints if "default_length" in summary["joints"][name]]
-    if not names:
-        return ""
-    length = prefixed(summary["joints"][names[0]]["default_length"], "m")
-    return f"Pressure of {', '.join(names)}: on {length}, the length of joints without axial_length."
 
 
 # ------------------------------------------------------------------------------------------------------ facts

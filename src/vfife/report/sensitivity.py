@@ -247,6 +247,10 @@ def _loads(result: Comparison) -> Iterator[Part]:
         heads = ("load", *laws, "change")
         title = f"Loads that the laws change by more than {100.0 * CHANGED:g} %, of the largest"
         yield Table(heads, rows, title, numbers=range(1, len(heads)), names=(0,))
+        yield Paragraph(
+            "Only a measurement shows which law holds for a joint. To size a part, take at least the largest"
+            " value of its row; the load of the machine may be larger still."
+        )
 
 
 def _range(run: Mapping[str, Any], key: str, scale: float) -> str:

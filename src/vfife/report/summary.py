@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -47,8 +46,6 @@ if TYPE_CHECKING:
 Json = dict[str, Any]
 SHARES = tuple(f"share.{mode}" for mode in MODES)
 CONTACT_KEYS = ("penetration.max", "impacts", "grazing", "deep_landings", "landing_depth.max", *SHARES)
-# Length over diameter, or inverse, from which a default length is mentioned: plain bearings have 0.5 to 1.5.
-UNLIKE = 2.0
 JOINT_KEYS = ("force.max", "moment.max", *CONTACT_KEYS)
 
 
@@ -343,9 +340,8 @@ def _surfaces(joint: Contact) -> Json:
     depths = {side: deepest(getattr(joint.wear, f"{side}_profile", ())) for side in SIDES}
     depths = {side: depth for side, depth in depths.items() if depth}
     guide: Json = {"guide": True} if joint.is_guide else {}
-    size, length = joint.nominal_size or math.inf, joint.axial_length
-    if length == Contact.axial_length and not size / UNLIKE <= length <= size * UNLIKE:
-        guide["default_length"] = length
+    if joint.axial_length == Contact.axial_length:
+        guide["default_length"] = joint.axial_length
     return guide | ({"worn": depths} if depths else {})
 
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any
 
 from ..job.progress import counted
 from ..laws.materials import OILED, PAIRS, SCATTER
 from ..measures.values import NOT_ESTIMATED
 from ..model.functions import turn_of
-from .amounts import life_range_words, life_words, quantity, turns_words
+from ..model.joints.contact import Contact
+from .amounts import life_range_words, life_words, prefixed, quantity, turns_words
 from .digits import NOT_DETERMINED
 from .document import Document, Table, incomplete, paragraphs
 
@@ -107,6 +108,25 @@ def groove_sentences(wear: Worn) -> Iterator[str]:
         yield NARROW
 
 
+def length_sentence(subject: str, joints: list[str]) -> str:
+    """Return that the ``subject`` of ``joints`` is that on the default length; "" without joints."""
+    length = prefixed(Contact.axial_length, "m")
+    names = ", ".join(joints)
+    return f"{subject} of {names}: on {length}, the length of joints without axial_length." if names else ""
+
+
+def length_note(summary: Mapping[str, Any], joints: Iterable[str]) -> str:
+    """Return a sentence on the ``joints`` whose pressure is on the default length; "" for none."""
+    names = [name for name in joints if "default_length" in summary["joints"][name]]
+    return length_sentence("Pressure", names)
+
+
+def wear_length(mechanism: Mechanism, joints: Iterable[str]) -> list[str]:
+    """Return a sentence on the ``joints`` that wear on the default length; empty without any."""
+    names = [name for name in joints if mechanism.contacts[name].axial_length == Contact.axial_length]
+    return [length_sentence("Wear", names)] if names else []
+
+
 def open_life_sentence(life: WearLife, harmonics: int) -> str:
     """Return what the ends of the range of a life mean that the model does not determine."""
     subject = f"grooves smoothed by {counted(harmonics, 'harmonic')}" if harmonics else "their mean depths"
@@ -134,6 +154,7 @@ def _remarks(wear: Worn) -> Iterator[str]:
     )
     yield f"{counted(len(wear.turns) - 1, 'jump')}, {errors}; {block}"
     yield from _coefficients(mechanism, wear)
+    yield from wear_length(mechanism, wear.joints)
     if left_out := [name for name in mechanism.contacts if name not in wear.joints]:
         yield (
             f"The wear of {', '.join(left_out)} is not computed here: it has no coefficient, or is no pin"

@@ -177,8 +177,9 @@ class DesignOptions(JsonOptions, ModelOptions, JobOptions, function="design.desi
 
     The answer contains checked sensitivities of one measure to every clearance, the cheapest ISO 286 fits
     with which nearly all machines keep a limit, and wear by Archard's law for joints with a table wear. It
-    marks unknown values "not estimated" and names the command for each next step. After Ctrl-C it shows the
-    completed parts.
+    marks unknown values "not estimated" and names the command for each next step. Three joints may take
+    minutes; the ranking comes first. After Ctrl-C the answer has the completed parts; the same command
+    begins again.
     """
 
     of: str | None = option(
@@ -204,6 +205,7 @@ class DesignOptions(JsonOptions, ModelOptions, JobOptions, function="design.desi
         show_default="all",
     )
     same_fit: bool = flag("--same-fit", "Use the same fit, or the same grades, in all joints.")
+    ranking: bool = flag("--ranking", "Rank the clearances only: neither fits nor lives.")
     turns: int | None = option(
         None, "Turns of each run; at least 2 for knocks.", "N", min=1, show_default="the model's"
     )

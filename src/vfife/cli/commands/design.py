@@ -41,7 +41,7 @@ def design(options: DesignOptions) -> None:
         mechanism = mechanism_of(options)
         keys = {
             name: getattr(options, name)
-            for name in ("limit", "share", "turns", "wear", "wear_turns", "same_fit")
+            for name in ("limit", "share", "turns", "wear", "wear_turns", "same_fit", "ranking")
         }
         keys["joints"] = (
             None if options.joints is None else [name.strip() for name in options.joints.split(",")]
@@ -55,7 +55,8 @@ def design(options: DesignOptions) -> None:
             write_page(page, answer, options, front)
     options.answer(page, options.target)
     if not answer.complete:
-        end_interrupted(f": {', '.join(answer.missing)} not computed.")
+        missing = ", ".join(answer.missing)
+        end_interrupted(f": {missing} not computed. The same command begins again.")
 
 
 def compute(options: DesignOptions, mechanism: Any, keys: dict[str, Any]) -> Any:

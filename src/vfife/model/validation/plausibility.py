@@ -39,6 +39,7 @@ ANGLES = (
 )  # keys of angles that a turn is enough for
 LEAST_OFFSET = 1e-6  # of a clearance: less is rounding of a place in the middle
 HIGH_FRICTION = 2.0  # rubber on dry concrete has about 1
+OTHER_BORE = 0.02  # of a bore: pistons are smaller by less
 VACUUM = 0.2  # of the ambient pressure
 NEAR_VACUUM = 0.01  # of the ambient pressure: 10 mbar, which no piston reaches
 ATMOSPHERE = 0.9e5, 1.05e5  # Pa, absolute pressures at the suction of compressors and engines
@@ -48,7 +49,7 @@ SEVERE_WEAR = 3e-11  # 1/Pa: K = 7e-3 over 0.3 GPa; numbers of mm^3/(N m) are ab
 # more torque reaches that speed within a degree. One in N mm taken for N m is a factor of a thousand.
 STRONG = 30.0
 HEAVY = 300.0  # times the median of the other masses; grams taken for kilograms: 1000
-LOOSE = 0.2  # of the bearing's radius, or of the block's height: clearances of machines are below 0.05
+LOOSE = 0.1  # of the bearing's radius, or of the block's height: clearances of machines are below 0.05
 MOST_TILT = math.radians(5.0)  # of a block in its guide; those of machines turn by 1 degree or less
 USUAL_SPEED = 314.0  # rad/s, of a motor whose torque has no speeds: 3,000 rpm
 
@@ -68,6 +69,7 @@ def suspects(mechanism: Mechanism) -> tuple[str, ...]:
         *_positions(mechanism),
         *_frictions(mechanism),
         *_pressures(mechanism),
+        *_bores(mechanism),
         *_wears(mechanism),
         *_torques(mechanism),
         *_masses(mechanism),
@@ -165,6 +167,20 @@ def _pressures(mechanism: Mechanism) -> Iterator[str]:
             )
         elif load.ambient_pressure > 0.0:
             yield from _suspect_pressure(name, load.ambient_pressure, lowest, highest)
+
+
+def _bores(mechanism: Mechanism) -> Iterator[str]:
+    """Caution about pistons that do not have the diameter of their cylinder."""
+    for name, load in mechanism.loads.items():
+        bore = getattr(load, "bore", None)
+        slider = getattr(load, "slider", "")
+        height = getattr(mechanism.joints.get(slider), "height", None)
+        if bore and height and abs(height - bore) > OTHER_BORE * bore:
+            yield (
+                f"load.{name}.bore is {1e3 * bore:.4g} mm, and joint.{slider}.height {1e3 * height:.4g} mm: a"
+                " piston has the diameter of its cylinder, so one may still be that of another machine. A"
+                " crosshead has a height of its own."
+            )
 
 
 def _pressure_bounds(load: Load) -> tuple[float, float]:
