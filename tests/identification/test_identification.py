@@ -453,7 +453,8 @@ LINES = "\n".join(f"{0.01 * k:.3f}, {0.11 - 1e-4 * k:.5f}" for k in range(20))
 FAULTS = {
     "no file": (None, BOUNDS, {}, "it cannot be read"),
     "no time": ("when, b.x\n" + LINES, BOUNDS, {}, "no column of times or angles"),
-    "no channel": ("time, bx\n" + LINES, BOUNDS, {}, "no column is a channel of the mechanism"),
+    "no channel": ("time, q\n" + LINES, BOUNDS, {}, "no column is a channel of the mechanism"),
+    "a misspelt channel": ("time, bx\n" + LINES, BOUNDS, {}, 'as channels are: bx (did you mean "b.x"'),
     "a column that is not there": (
         "time, b.x\n" + LINES,
         BOUNDS,

@@ -13,6 +13,7 @@ import vfife
 from dynamics.test_map_arguments import PATH, QUICK, oscillator
 from support import four_bar
 from vfife.assembly.assemble import assemble
+from vfife.compiler.runtime import cache
 from vfife.job import progress
 from vfife.job.cost import Forecast, timed_step
 from vfife.job.job import Job, job_of
@@ -228,3 +229,15 @@ def test_long_times_and_large_files_have_readable_numbers() -> None:
     assert amount_of_bytes(3.114e15) == "3,110 TB"
     run = Forecast("run", 1, 1e6)
     assert run.amount == "1 run of 1,000,000 steps"
+
+
+def test_a_script_reports_that_a_step_is_compiled(monkeypatch, capsys):
+    """Once for each kind of mechanism; a caller with a function of its own sees what it shows itself."""
+    monkeypatch.setattr(cache, "read", lambda name: None)
+    monkeypatch.setattr(cache, "keep", lambda name, content: None)
+    for function, count in ((None, 1), (lambda state: None, 0)):
+        with job_of("fit", None, False, function):
+            cache.stored("a step", lambda: b"")
+        assert capsys.readouterr().err.count("compiling the step") == count
+    cache.stored("a step", lambda: b"")
+    assert not capsys.readouterr().err

@@ -17,6 +17,7 @@ from vfife.plots.notebook import result_html
 from vfife.report.digits import is_estimated, range_text
 from vfife.report.pages import run_page as document
 from vfife.report.summary import show
+from vfife.report.trust import missing_mesh_estimate
 from vfife.simulation.result import Result
 
 WORDS = "not estimated"
@@ -119,7 +120,7 @@ def rigid_statics() -> Mechanism:
 @pytest.mark.parametrize(
     ("build", "options", "why"),
     [
-        (gallery.lee_frame, {"companions": 0}, "its settings exclude the repetition on other meshes"),
+        (gallery.lee_frame, {"companions": 0}, "companions = 0 excludes the repetition on other meshes."),
         (rigid_statics, {}, "no body is cut into elements"),
     ],
 )
@@ -167,3 +168,11 @@ def test_bounds_in_words() -> None:
         False,
         False,
     ]  # a file of a former version
+
+
+def test_statics_whose_other_meshes_failed_say_that() -> None:
+    """Asked for, but without an estimate; also of a run file."""
+    summary = vfife.simulate(gallery.lee_frame(), companions=0).summary
+    said = missing_mesh_estimate(summary | {"run": summary["run"] | {"refined": True}})
+    assert said == "the repetition with twice the elements found no equilibrium or was interrupted"
+    assert summary["run"]["refined"] is False

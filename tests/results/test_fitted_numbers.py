@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from vfife.report.sensitivity import identification
 from vfife.results.fit import Fit, FitCurve, FitValue, values_of
 
 ONE = FitValue("k", ("spring.k.stiffness",), "N/m", 300.0, 5.0, 290.0, 320.0, (200.0, 600.0))
@@ -32,6 +33,15 @@ def test_a_share_is_where_a_value_lies_between_its_bounds() -> None:
     wide = replace(ONE, bounds=(1.0, 1e4), logarithmic=True)
     assert [wide.share(value) for value in (1.0, 10.0, 1e4)] == pytest.approx([0.0, 0.25, 1.0])
     assert wide.share(0.0) == pytest.approx(-0.75), "a thousandth of the lower bound at the least"
+
+
+def test_limits_beyond_both_bounds_are_no_numbers_to_quote() -> None:
+    lost = replace(ONE, error=1e9, low=-2e9, high=2e9)
+    assert lost.words(0.95) == "k = 300 N/m (not determined by these data)"
+    shown = str(identification(fit_of(lost)).parts)
+    assert "not determined by these data" in shown and "e+09" not in shown and "GN" not in shown
+    assert "95 %: 150 to 700" not in replace(lost, low=150.0, high=700.0).words(0.95)
+    assert "95 %" in replace(lost, low=250.0, high=700.0).words(0.95)
 
 
 def test_a_confidence_of_a_quarter_of_the_bounds_is_the_widest_that_tells() -> None:

@@ -11,6 +11,8 @@ from vfife.laws import Material
 from vfife.model.bodies import Section
 from vfife.model.loads import PointForce
 from vfife.model.mechanism import Mechanism, Settings
+from vfife.report.front import conclusion
+from vfife.report.run import document
 from vfife.report.static_cautions import stability_cautions
 from vfife.simulation.result import Result
 from vfife.solvers.buckling import positive
@@ -169,6 +171,14 @@ def test_too_many_coordinates_are_not_examined(monkeypatch: pytest.MonkeyPatch) 
     assert states(m) == [None, None]
     (text,) = stability_cautions(equilibrium(assemble(m)))
     assert "load factors 0 to 1 are stable is not known" in text
+
+
+def test_cautions_lead_the_answer_and_data_have_each_load_factor() -> None:
+    summary = vfife.simulate(column(0.5, 1.5, load=0.25 * math.pi**2 * EI, elements=6), companions=0).summary
+    assert [factor["unstable"] for factor in summary["run"]["factors"]] == [False, False, True]
+    kinds = [type(part).__name__ for part in document(summary).parts]
+    assert kinds.index("Caution") < kinds.index("Table")
+    assert conclusion(summary) == ["The analysis found 2 of 2 equilibria, 1 of them unstable."]
 
 
 def test_the_caution_brackets_the_load_and_a_file_keeps_it(tmp_path) -> None:

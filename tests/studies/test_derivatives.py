@@ -266,6 +266,12 @@ def test_tables_whose_pieces_begin_later_change_as_their_values_do():
     assert seen >= 4
 
 
+@pytest.mark.parametrize("patterns", [{"of": []}, {"to": ()}])
+def test_no_patterns_at_all_are_a_fault(patterns):
+    with pytest.raises(ModelError, match="it is empty"):
+        vfife.sensitivity(vfife.load("examples/slider_crank.toml"), **patterns, turns=1)
+
+
 def test_patterns_that_fit_nothing_are_told_together():
     mechanism = replace_name(vfife.load(f"{EXAMPLES}/slider_crank.toml"))
     with pytest.raises(ModelError, match=r"'joint\.pinn\.\*'") as caught:

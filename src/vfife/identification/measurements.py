@@ -125,10 +125,11 @@ def measured(
     fault_count = len(faults)
     chosen = choice(columns, units, specs, faults) if heads else {}
     if heads and len(faults) == fault_count and not chosen:
+        similar = ", ".join(text for text in unknown_columns(columns, place, units) if text[-1] == ")")
         remedy = (
-            "name columns as channels are, or say which is which with --column; the mechanism has"
-            f" {', '.join(list(units)[:8])} ..."
+            f"name columns as channels are{similar and ': '}{similar}, or say which is which with --column;"
         )
+        remedy += f" the mechanism has {', '.join(list(units)[:8])} ..."
         faults.append(
             Fault("line 1", "no column is a channel of the mechanism", shown(", ".join(heads)), "", remedy)
         )
@@ -149,8 +150,7 @@ def measured(
     if place is not None:
         check_places(values[place], [line for line, _ in rows], heads[place], faults)
     flat = [heads[k] for k in chosen if len(rows) and float(np.ptp(values[k])) == 0.0]
-    fault, remedy = "every value is the same", "leave the column out"
-    faults += [Fault(f"column {head}", fault, remedy=remedy) for head in flat]
+    faults += [Fault(f"column {head}", "every value is the same", remedy="leave it out") for head in flat]
     if faults or place is None:
         raise ModelError(faults, str(path))
     curves = tuple(
@@ -169,7 +169,7 @@ def measured(
 
 
 def unknown_columns(
-    columns: Sequence[tuple[str, str]], place: int, units: Mapping[str, str]
+    columns: Sequence[tuple[str, str]], place: int | None, units: Mapping[str, str]
 ) -> tuple[str, ...]:
     """Return the columns that have the name of no channel, each with channels that it may mean; that at
     ``place`` is the time or angle.

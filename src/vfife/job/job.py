@@ -116,6 +116,8 @@ class Job:
             )
 
     def __enter__(self) -> Job:
+        if self.line is not None:
+            self.line.open()
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -152,6 +152,11 @@ class ScriptLine:
         if self._due():
             self.line.phase(text)
 
+    def compiling(self) -> None:
+        """Report that a step is being compiled, where no line does."""
+        if self.line is None:
+            self.note(f"note: {COMPILING}.")
+
     def _due(self) -> bool:
         """Whether the work takes long enough to be shown; its line then begins at once."""
         if self.line is None and self.make is not None and time.monotonic() - self.began > self.patience:
@@ -160,8 +165,14 @@ class ScriptLine:
                 self.line.began = self.line.written = self.began
         return self.line is not None
 
+    def open(self) -> None:
+        """Report steps that are compiled from now on."""
+        MISSED.append(self.compiling)
+
     def close(self) -> None:
         """End the line with its last content."""
+        if self.compiling in MISSED:
+            MISSED.remove(self.compiling)
         if self.line is not None:
             self.line.__exit__(None, None, None)
             self.line = None

@@ -98,16 +98,18 @@ def displacement(record: Record) -> Array:
 
 
 def equilibria(record: Record) -> list[dict[str, Any]]:
-    """Return for each output: load factor, iterations, unbalanced force over the largest, displacement (m),
-    joint reactions (N, N, N m).
+    """Return for each output: load factor, whether its equilibrium is unstable (None if not examined),
+    iterations, unbalanced force over the largest, displacement (m), joint reactions (N, N, N m).
     """
     moved = displacement(record)
     force = joint_force(record)
     moment = joint_moment(record)
     factors = times(record)
+    examined = [state for _, state in record.unstable]
     return [
         {
             "load_factor": float(factors[k]),
+            "unstable": examined[k] if k < len(examined) else None,
             "iterations": int(record.block("iterations")[k, 0]),
             "unbalanced": float(record.block("unbalanced")[k, 0]),
             "displacement": float(moved[k]),

@@ -123,7 +123,9 @@ def conclusion(summary: Json) -> list[str]:
     """
     if summary["run"].get("analysis") == "static":
         run = summary["run"]
-        return [f"The analysis found {run['reached']} of {run['load_factors']} equilibria."]
+        unstable = sum(factor["unstable"] is True for factor in run["factors"])
+        instability = f", {unstable} of them unstable" if unstable else ""
+        return [f"The analysis found {run['reached']} of {run['load_factors']} equilibria{instability}."]
     certain, length = without_options(certainty(summary)), interrupted_length(summary)
     part = f"The run was interrupted after {length}; all values are of that part." if length else ""
     texts = [_cost(summary), _joint(summary), _knocks(summary)]

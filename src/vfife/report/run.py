@@ -71,7 +71,8 @@ def document(summary: Json, limit: int = FACTORS) -> Document:
     title = [Paragraph(model["name"], style="strong"), *paragraphs([model["note"]], style="aside")]
     if run.get("analysis") == "static":
         warnings = [Caution(text) for text in (*summary["warnings"], *run["notes"])]
-        return Document([*title, *equilibria(summary, limit), *warnings])
+        # An unstable or missing equilibrium makes the tables useless.
+        return Document([*title, *warnings, *equilibria(summary, limit)])
     leading = verdict(summary)
     first = [summary["warnings"][fall["index"]]] if (fall := summary.get("start_fall")) else []
     first.insert(0, motor_sentence(summary, remedy=True))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ..measures.catalogue import unit_of
 from ..measures.values import NOT_ESTIMATED
 from ..numerics.outward import DOWN, UP, significant_range
+from ..results.fit import NOT_DETERMINED
 from .amounts import decimals, fixed_point, prefixed, quantities, quantity
 from .design_words import and_words
 from .document import Caution, Document, Paragraph, Part, Table, incomplete, paragraphs
@@ -18,7 +19,7 @@ from .fall_cautions import SEATED, fall_caution, fall_of
 if TYPE_CHECKING:
     from ..measures.landings import Fall
     from ..results.derivatives import Effect, Sensitivity
-    from ..results.fit import Fit, FitRecordValues
+    from ..results.fit import Fit, FitRecordValues, FitValue
     from ..studies.methods.compare import Comparison
 
 SMALLEST = 1e-6  # per cent by one per cent: smaller effects are rounding
@@ -43,8 +44,9 @@ UNCHECKED = "others are missing, and none is checked by finite changes or other 
 NOTES = {
     "change": "* change for 1 %: the derivative does not describe it.",
     "unknown": (
-        "? sign or order of magnitude not known: changes of 1 % differ with their direction or with the size"
-        " of the step. These rows stand last, by the largest end of their range."
+        "? sign or order of magnitude not known: changes of 1 % differ with their direction or the size of"
+        " the step, or changes of 0.1 % contradict them. These rows stand last, by the largest end of their"
+        " range."
     ),
 }
 
@@ -308,6 +310,8 @@ def identification(fit: Fit) -> Document:
         sure = all(map(math.isfinite, value.ends or (value.low, value.high)))
         limits = quantities(value.low, value.high, value.unit) if sure and value.known else "-"
         error = quantity(value.error, value.unit) if math.isfinite(value.error) else "-"
+        if value.exceeds_bounds:
+            error, limits = "-", NOT_DETERMINED
         bounds = quantities(*value.bounds, value.unit, exact=True) + (", at one" if value.at_bound else "")
         mark = "" if value.determined or not sure else " ?"
         rows.append(
@@ -360,12 +364,18 @@ def _ends(fit: Fit) -> str:
 def record_row(record: FitRecordValues) -> tuple[str, str, str]:
     """Return a record, what is left of it, and its own numbers with their errors."""
     values = (
-        f"{value.name} = {quantity(value.value, value.unit)}"
-        f"{f' ± {quantity(value.error, value.unit)}' if math.isfinite(value.error) else ' (error not known)'}"
+        f"{value.name} = {quantity(value.value, value.unit)}{_error(value)}"
         + (" (at a bound)" if value.at_bound else "")
         for value in record.values
     )
     return record.name, f"{100.0 * record.residual:.3g} %", ", ".join(values)
+
+
+def _error(value: FitValue) -> str:
+    """Return the error of a number of a record, as it stands behind it."""
+    if value.exceeds_bounds:
+        return f" ({NOT_DETERMINED})"
+    return f" ± {quantity(value.error, value.unit)}" if math.isfinite(value.error) else " (error not known)"
 
 
 def _correlations(fit: Fit) -> str:

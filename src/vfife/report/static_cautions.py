@@ -7,7 +7,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from ..measures.motion import times
-from ..measures.statics import SNAP, displacement, first_leap
+from ..measures.statics import displacement, first_leap
 from ..model.validation.plausibility import clearances_at_rest, suspect_surfaces
 from ..solvers.buckling import MOST_COORDINATES
 from ..solvers.status import Status
@@ -43,12 +43,10 @@ def static_cautions(result: RunData) -> Iterator[str]:
     yield from clearances_at_rest(record.assembly.mechanism)
     yield from snap_cautions(record)
     if not record.snaps and (leap := first_leap(record)):
-        certain = leap.by_load > SNAP
-        reason = "a limit load was passed and the structure snapped through"
         yield (
             f"At load factor {leap.load_factor:g} the displacement leaps by {leap.size:.4g} m, per load"
-            f" {leap.by_load:.3g} times the step before: {reason if certain else SOFTER}."
-            f" Choose closer load factors before it{', or prescribe a travel to follow the path' * certain}."
+            f" {leap.by_load:.3g} times the step before: {SOFTER}."
+            " Choose closer load factors before it, or prescribe a travel to follow the path."
         )
 
 
@@ -58,11 +56,11 @@ def snap_cautions(record: Record) -> Iterator[str]:
     for start, end in record.snaps:
         last = factors.index(end)
         yield (
-            f"Between load factors {start:g} and {end:g} the structure became unstable and snapped"
-            " through: a limit load (or a buckling load) was passed, and the displacement goes from"
-            f" {moved[last - 1]:.4g} to {moved[last]:.4g} m. Equilibria from {end:g} on lie beyond it."
-            " Closer load factors show at which load this happens; a prescribed travel in place of the load"
-            " follows the path."
+            f"Between load factors {start:g} and {end:g} the structure became unstable, and the displacement"
+            f" goes from {moved[last - 1]:.4g} to {moved[last]:.4g} m: a limit load was passed and it snapped"
+            " through, it left an unstable start, or a buckling load was passed. Equilibria from"
+            f" {end:g} on lie beyond it. Closer load factors show which, and at which load; a prescribed"
+            " travel in place of the load follows the path."
         )
 
 

@@ -309,6 +309,7 @@ def _static_run(result: RunData) -> Json:
         "reached": max(len(record.steps) - 1, 0),
         "iterations": int(record.block("iterations").sum()),
         "residual": settings.residual,
+        "refined": bool(result.arguments.get("refined")),
         "long": not worth_other_meshes(record.assembly),
         "factors": equilibria(record),
         "notes": [note for note in record.assembly.notes if note not in _leading_notes(mechanism)],

@@ -366,10 +366,9 @@ def missing_mesh_estimate(summary: Json) -> str:
         return "a link of two particles is one element by definition, which cannot be halved"
     if summary["run"].get("long", True):
         return "the repetition on other meshes takes long; companions = 1 includes it"
-    return (
-        "its settings exclude the repetition on other meshes (companions = 0), or twice the elements have no"
-        " equilibrium"
-    )
+    if summary["run"]["refined"]:
+        return "the repetition with twice the elements found no equilibrium or was interrupted"
+    return "companions = 0 excludes the repetition on other meshes"
 
 
 def turn_lines(summary: Json) -> Iterator[str]:

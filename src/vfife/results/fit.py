@@ -30,6 +30,7 @@ Array = NDArray[np.float64]
 # A parameter is determined by the data if its confidence interval reaches at most this share of the way
 # between its bounds to either side.
 DETERMINED_SHARE = 0.25
+NOT_DETERMINED = "not determined by these data"
 # Two parameters are split poorly from this correlation on, if the interval of one reaches further than this
 # share of its value.
 SPLIT, SPLIT_WIDTH = 0.8, 0.2
@@ -94,12 +95,18 @@ class FitValue:
             sure += f"; fits nearly as well from {significant_range(self.ends[0], self.ends[1], 5)}"
         if math.isfinite(self.error):
             sure = f"{100.0 * confidence:g} %: {significant_range(self.low, self.high, 5)}"
+        sure = NOT_DETERMINED if self.exceeds_bounds else sure
         return f"{self.name} = {self.value:.5g}{unit} ({sure})"
 
     @property
     def determined(self) -> bool:
         """Whether the data determine it: its confidence is known, and narrow compared with the bounds."""
         return self.known and self.share(self.high) - self.share(self.value) <= DETERMINED_SHARE
+
+    @property
+    def exceeds_bounds(self) -> bool:
+        """Whether its confidence interval includes both bounds, so that the data say nothing of it."""
+        return self.low <= self.bounds[0] and self.high >= self.bounds[1]
 
     @property
     def width(self) -> float:
@@ -246,11 +253,8 @@ class Fit(DataTable):
         for deviation, direction in self.directions:
             if not deviation > DETERMINED_SHARE:
                 continue
-            order = [
-                k
-                for k in np.argsort(-np.abs(direction), kind="stable")
-                if abs(direction[k]) >= NAMED_COMPONENT
-            ]
+            ranking = np.argsort(-np.abs(direction), kind="stable")
+            order = [k for k in ranking if abs(direction[k]) >= NAMED_COMPONENT]
             *leading, last = (self.values[k].name for k in order)
             if not leading:
                 sentences.append(

@@ -47,6 +47,7 @@ class RunData:
 
     def __init__(self, record: Record, reference: RunData | None = None) -> None:
         self.record, self.reference = record, reference
+        self.arguments: dict[str, Any] = {}
 
     def __repr__(self) -> str:
         choice, done = self.record.assembly.choice, int(self.record.steps[-1])

@@ -377,7 +377,8 @@ def run_prepared(
                 prepared,
                 equilibrium(assembly, loop=loop, progress=progress, file=file, resume=resume),
                 progress,
-            )
+            ),
+            arguments={**prepared.inputs, "refined": prepared.refined},
         )
     # The judge stops a run whose energy balance opens, which costs less than running it to its end.
     judge = partial(drifting, assembly, recorded_rows(assembly))

@@ -173,11 +173,16 @@ class Arguments(Reader):
         if not isinstance(value, kinds):
             self.fault(name, f"this is {kind_of(value)}", value, limit, "give one of these")
 
-    def names(self, name: str, value: Any) -> tuple[str, ...]:
-        """Return one name or a sequence of names as a tuple; add a fault for anything else."""
+    def names(self, name: str, value: Any, minimum: int = 0) -> tuple[str, ...]:
+        """Return one name or a sequence of names, of the ``minimum`` length, as a tuple; add a fault for
+        anything else.
+        """
         names = (value,) if isinstance(value, str) else value
         if isinstance(names, Sequence) and all(isinstance(entry, str) for entry in names):
-            return tuple(names)
+            if len(names) >= minimum:
+                return tuple(names)
+            self.fault(name, "it is empty", value, "one name or more", "give names, or leave it out")
+            return ()
         self.fault(name, f"this is {kind_of(value)}", value, "a list of names", "give names, or leave it out")
         return ()
 

@@ -109,8 +109,8 @@ def sensitivity(
     """
     arguments, runs = Arguments("sensitivity"), options["runs"]
     arguments.mechanism(mechanism)
-    of = None if of is None else arguments.names("of", of)
-    to = arguments.names("to", to)
+    of = None if of is None else arguments.names("of", of, minimum=1)
+    to = arguments.names("to", to, minimum=1)
     run_arguments = arguments.run(**{name: options.get(name) for name in Length.__annotations__})
     if arguments.count("runs", runs) is not None and runs is not None and runs > MOST_RUNS:
         limit = f"a whole number from 1 to {MOST_RUNS}"

@@ -338,12 +338,11 @@ def compared_with_changes(
         if wide:
             quotients[name] = wide[0]
             spans[name] = reaching(hull([widened(side) for side in sides if side]), jump)
-        certain = (
-            len(wide) >= LEAST_SIZES
-            and same_sign(spans[name])
-            and all(sure(widened(side)) for side in sides if side)
-        )
+        clear = all(sure(widened(side)) for side in sides if side)
+        certain = len(wide) >= LEAST_SIZES and same_sign(spans[name]) and clear
         kinds[name] = "derivative" if holds and sure(ranges[name]) else "change" if certain else "unknown"
+        if clear and contradicts(changes, derivative, name, negligible):
+            kinds[name] = "unknown"
     return Derivative(
         derivative.path, derivative.value, derivative.values, ranges, quotients, spans, kinds, derivative.runs
     )
@@ -402,6 +401,27 @@ def is_smooth(
         return True
     margin = max(STRAIGHTER * (high - low), negligible)
     return all(overlap(tangent_range, (min(side), max(side)), margin) for side in close)
+
+
+def contradicts(changes: FiniteChanges, derivative: Derivative, measure: str, negligible: float) -> bool:
+    """Return whether a change of 0.1 % moves a measure to where the change of 1 % to the same side does not:
+    against it, or further than it.
+
+    The measure then jumps between nearby values, and the result of 1 % is one draw of several. The margin is
+    a tenth of the change of 1 %, which is what 0.1 % makes of a straight line, or ``negligible``.
+    """
+    part = CLOSE / WIDE
+    for sign in (1.0, -1.0):
+        wide, close = (
+            changes.quotients(measure, derivative.path, derivative.value, sign * share)
+            for share in (WIDE, CLOSE)
+        )
+        if wide:
+            low, high = hull([(0.0, 0.0), widened(wide)])
+            margin = max(part * max(-low, high), negligible)
+            if any(not low - margin <= part * quotient <= high + margin for quotient in close):
+                return True
+    return False
 
 
 def widened(values: Sequence[float]) -> Span:
