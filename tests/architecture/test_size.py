@@ -14,9 +14,9 @@ from architecture.size import Size, size_of, sizes, tokens
 
 LIMITS = Size(
     files=514,
-    code=75_450,
-    tokens=763_400,
-    import_lines=7_335,
+    code=75_600,
+    tokens=765_000,
+    import_lines=7_340,
     inner_imports=104,
     many_arguments=10,
     tuples=28,

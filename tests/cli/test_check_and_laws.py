@@ -66,6 +66,15 @@ def test_check_says_which_defaults_it_filled_in(command: Callable, pendulum: Pat
     assert "body.rod.start_mass" not in {entry["path"] for entry in again}
 
 
+def test_check_names_joints_whose_length_is_the_default(command: Callable, tmp_path: Path) -> None:
+    path = tmp_path / "machine.toml"
+    command("new", "compressor", "-o", path)
+    text = path.read_text()
+    path.write_text("\n".join(line for line in text.splitlines() if line != 'axial_length = "22 mm"'))
+    words = " ".join(command("check", path).stdout.split())
+    assert "Among them is axial_length of big-end, 20 mm: pressure and wear depend on it." in words
+
+
 def test_check_shows_loads_with_their_values(command: Callable, tmp_path: Path) -> None:
     """A moment over time and a gas over travel, with signs and units, on the screen and as data."""
     model = tmp_path / "loaded.toml"

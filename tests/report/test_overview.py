@@ -34,7 +34,7 @@ from vfife.report.run_tables import damped_joints
 from vfife.report.terminal import write
 from vfife.units import in_rpm
 
-SCREEN = 24 - 1  # lines of a terminal: the folder and the next commands may move the title out of it
+SCREEN = 24 - 2  # lines of a terminal, without the two that name the folder and the next commands
 
 
 @cache
@@ -457,8 +457,8 @@ def test_a_pressure_on_the_default_length_names_it() -> None:
         texts.append(
             joint_table(vfife.simulate(machine, turns=1, companions=0, reference=False).summary).note
         )
-    assert "Pressure of small-end: on 20 mm, the length of joints without axial_length." in texts[0]
-    assert "Pressure of small-end, cylinder: on 20 mm, the length of joints without axial_length." in texts[1]
+    assert "without axial_length" not in texts[0]
+    assert "Pressure of cylinder: on 20 mm, the length of joints without axial_length." in texts[1]
 
 
 @pytest.mark.parametrize("radius", [1e-5, 1e-3])

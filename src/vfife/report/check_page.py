@@ -5,19 +5,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..job.progress import amount_of_bytes, counted, span
 from ..measures.catalogue import is_ideal_zero
+from ..model.joints import Contact
 from ..model.surfaces import surface_words
+from .amounts import prefixed
 from .digits import ABOUT_ZERO, RADIAL
 from .document import Document, Paragraph, Part, Table, grouped, paragraphs, quantities
 from .freedom import freedom_words
 from .loads import load_words
 from .run import facts_of
-
-if TYPE_CHECKING:
-    pass
 
 LIMITS = 3  # limits of the step that are shown at once
 
@@ -52,12 +51,7 @@ def document(check: Mapping[str, Any], long: bool = False) -> Document:
     if long:
         parts += _defaults(check["defaults"])
     elif check["defaults"]:
-        parts.append(
-            Paragraph(
-                f"{len(check['defaults'])} values are not in the file and have their defaults; --long"
-                " lists them."
-            )
-        )
+        parts.append(Paragraph(_default_words(check["defaults"])))
     begin, end = notes, list[str]()
     if notes and _is_long(parts):
         begin, end = [f"{counted(len(notes), 'caution')} at the end of this answer."], notes
@@ -258,6 +252,18 @@ def _cost(check: Mapping[str, Any]) -> list[str]:
 def _confirmation(cost: Mapping[str, Any]) -> list[str]:
     """Return the confirmation that a run requires."""
     return [f"That is {cost['asks_for_yes']}: vfife run needs --yes for it."] if cost["asks_for_yes"] else []
+
+
+def _default_words(defaults: Sequence[Mapping[str, Any]]) -> str:
+    """Return the number of default values, and the joints whose pressure and wear rest on one of them."""
+    count = f"{len(defaults)} values are not in the file and have their defaults; --long lists them"
+    paths = [entry["path"].split(".") for entry in defaults]
+    names = [path[1] for path in paths if path[0] == "joint" and path[-1] == "axial_length"]
+    if not names:
+        return f"{count}."
+    length = prefixed(Contact.axial_length, "m")
+    of_joints = f"axial_length of {', '.join(names)}, {length}"
+    return f"{count}. Among them is {of_joints}: pressure and wear depend on it."
 
 
 def _defaults(defaults: Sequence[Mapping[str, Any]]) -> Iterator[Part]:

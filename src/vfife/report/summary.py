@@ -36,6 +36,7 @@ from .freedom import freedom_left
 from .run_up import motor_sentence
 from .static_cautions import static_cautions
 from .trust import over_several_turns, trust_summary, turns_summary, verdict
+from .wear import on_default_length
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -341,7 +342,7 @@ def _surfaces(joint: Contact) -> Json:
     depths = {side: deepest(getattr(joint.wear, f"{side}_profile", ())) for side in SIDES}
     depths = {side: depth for side, depth in depths.items() if depth}
     guide: Json = {"guide": True} if joint.is_guide else {}
-    if joint.axial_length == Contact.axial_length:
+    if on_default_length(joint):
         guide["default_length"] = joint.axial_length
     return guide | ({"worn": depths} if depths else {})
 

@@ -108,6 +108,18 @@ def groove_sentences(wear: Worn) -> Iterator[str]:
         yield NARROW
 
 
+# Length over diameter, or inverse, from which a default length is mentioned: plain bearings have 0.5 to 1.5.
+UNLIKE = 2.0
+
+
+def on_default_length(joint: Contact) -> bool:
+    """Return whether a joint has the default length although its size is unlike it: a run does not know
+    which lengths the model file gives.
+    """
+    size, length = joint.nominal_size or math.inf, joint.axial_length
+    return length == Contact.axial_length and not size / UNLIKE <= length <= size * UNLIKE
+
+
 def length_sentence(subject: str, joints: list[str]) -> str:
     """Return that the ``subject`` of ``joints`` is that on the default length; "" without joints."""
     length = prefixed(Contact.axial_length, "m")
@@ -116,14 +128,15 @@ def length_sentence(subject: str, joints: list[str]) -> str:
 
 
 def length_note(summary: Mapping[str, Any], joints: Iterable[str]) -> str:
-    """Return a sentence on the ``joints`` whose pressure is on the default length; "" for none."""
+    """Return a sentence on the ``joints`` whose pressure is on a default length that is unlike their size; ""
+    for none."""
     names = [name for name in joints if "default_length" in summary["joints"][name]]
     return length_sentence("Pressure", names)
 
 
 def wear_length(mechanism: Mechanism, joints: Iterable[str]) -> list[str]:
-    """Return a sentence on the ``joints`` that wear on the default length; empty without any."""
-    names = [name for name in joints if mechanism.contacts[name].axial_length == Contact.axial_length]
+    """Return a sentence on the ``joints`` that wear on such a length; empty without any."""
+    names = [name for name in joints if on_default_length(mechanism.contacts[name])]
     return [length_sentence("Wear", names)] if names else []
 
 
