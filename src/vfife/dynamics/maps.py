@@ -172,8 +172,13 @@ class MapRun:
         """Read the keywords of a kind of map."""
 
     def begin(self, work: MapWork, assembly: Assembly) -> None:
-        """Start the job with the forecast of its work; ask for confirmation if it is long."""
+        """Start the job with the forecast of its work; ask for confirmation if it is long. Raises ModelError
+        where the folder of the file is missing, which the job of a command makes.
+        """
         self.job.begin(work.forecast(assembly, self.file))
+        arguments = Arguments(self.caller)
+        arguments.folder("file", self.file)
+        arguments.check()
 
     @contextmanager
     def rows(self, kind: type[Map], name: str, spec: MapSpec, content: str = "this map") -> Iterator[MapRows]:

@@ -206,7 +206,7 @@ def simulate(mechanism: Mechanism, **options: Unpack[SimulationOptions]) -> Resu
 def new_file(checks: Arguments, value: str | Path) -> Path:
     """Return the path of a new run file; add a fault for another format and for a file that is there."""
     path = path_of(value, "simulate")
-    checks.file("file", path)
+    checks.folder("file", path)
     if path.suffix.lower() in RESULT_FORMATS:
         remedy = f"give it another ending, and write {path.suffix} with the export() of the result"
         checks.fault("file", "this is not the ending of a run file", str(value), "", remedy)

@@ -187,11 +187,14 @@ class Arguments(Reader):
         return ()
 
     def file(self, name: str, value: Any) -> None:
-        """Add a fault unless the value is a path in a folder that exists, or None."""
+        """Add a fault unless the value is a path or None."""
         if value is not None and not isinstance(value, str | os.PathLike):
             remedy = "give the path of a file, or leave it out"
             self.fault(name, f"this is {kind_of(value)}", value, "a path", remedy)
-        elif value is not None and not os.path.isdir(folder := os.path.dirname(os.path.abspath(value))):
+
+    def folder(self, name: str, value: str | os.PathLike[str] | None) -> None:
+        """Add a fault unless the folder of the path exists, or the value is None."""
+        if value is not None and not os.path.isdir(folder := os.path.dirname(os.path.abspath(value))):
             self.fault(name, "there is no such folder", folder, "", "make it first")
 
     def callable(self, name: str, value: Any) -> None:
