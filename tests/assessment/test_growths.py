@@ -230,9 +230,8 @@ def press(shift_mm: float) -> vfife.Mechanism:
     assert text.count(guide) == 1 and "25 um" in text and "[load.work]" in text
     text = text.replace(guide, f'guide = ["{700.0 + shift_mm:.9g} mm", "-220 mm"]')
     assert text.count('"60 rpm"') == 1
-    text = text.replace(
-        '"60 rpm"', '"240 rpm"'
-    )  # a turn of fewer steps; the way goes through the same clearances
+    # A turn of fewer steps; the ram takes up the same clearances.
+    text = text.replace('"60 rpm"', '"240 rpm"')
     travels = (-100, 60, 70, 100, 110, 120)
     old, new = (
         "travels = " + json.dumps([f"{x - shift:.9g} mm" for x in travels]) for shift in (0.0, shift_mm)
@@ -253,7 +252,8 @@ def test_a_zero_elsewhere_changes_no_verdict_on_a_position() -> None:
         effects = {joint.name: joint.effect for joint in found.joints}
         assert 9e-6 < effects["E"].low < effects["E"].high < 11e-6  # one to one
         difference = found.value - found.ideal
-        assert 50e-6 < difference < 57e-6 and not found.sensitive  # two clearances of 25 um, and depths
+        # Two clearances of 25 um, depths of contact, and what inertia adds at this speed (1 um at 60 rpm).
+        assert difference == pytest.approx(55.8e-6, rel=0.02) and not found.sensitive
         sentence = clearance_sentence(found)
         assert sentence.startswith("The clearances of E and F matter most, about equally: 10 µm more of ")
         assert "%" not in sentence and " by +10" in sentence
