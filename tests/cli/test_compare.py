@@ -62,6 +62,8 @@ def test_each_run_is_the_run_of_its_law() -> None:
         assert row["impacts"] == sum(alone.measures[f"{joint}.impacts"] for joint in "BCD")
         lost = alone.ledger.terms["contact_loss"][-1] + alone.ledger.terms["friction_loss"][-1]
         assert row["energy_lost"] == lost
+    text = " ".join(str(found).split())
+    assert "carries the load by each of these laws; that by a law without damping may be several" in text
     joint = found.results[0].record.assembly.mechanism.clearances
     assert joint["B"].contact == vfife.laws.Pereira(restitution=0.6)
     assert joint["C"].friction.coefficient == model.clearances["C"].friction.coefficient

@@ -161,7 +161,7 @@ def test_ctrl_c_leaves_the_part_that_is_computed(
     monkeypatch.setattr(design_work, "design", design)
     done = command("design", MODEL, *BRIEF, "-o", "part.html")
     assert done.exit_code == 130, done.stderr
-    assert "interrupted: Stopped by Ctrl-C: life not computed." in done.stderr
+    assert "Stopped by Ctrl-C: lives not computed. The same command with --force begins again" in done.stderr
     fit = answer.joints[0].fit
     assert fit is not None and fit in done.stdout and fit in Path("part.html").read_text()
     assert "The computation was interrupted" in Path("part.html").read_text()

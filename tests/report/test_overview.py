@@ -32,6 +32,7 @@ from vfife.report.overview import (
 from vfife.report.run import facts, tables
 from vfife.report.run_tables import damped_joints
 from vfife.report.terminal import write
+from vfife.report.wear import wear_length
 from vfife.units import in_rpm
 
 SCREEN = 24 - 2  # lines of a terminal, without the two that name the folder and the next commands
@@ -445,6 +446,16 @@ def test_a_run_without_joint_forces_has_an_answer(gravity: float) -> None:
         assert answer.summary["trust"]["measure"] == ""
         assert "Reliable numerically." in str(answer) and "Reliable numerically." in answer._repr_html_()
         assert not answer.summary["warnings"]
+
+
+def test_wear_on_a_default_length_unlike_the_joint_names_it() -> None:
+    """20 mm are unlike a piston of 65 mm, and the length that the file gives to a pin of 16 mm."""
+    model = gallery.compressor()
+    assert model.contacts["small-end"].axial_length == 0.02 and not wear_length(model, model.contacts)
+    cylinder = dataclasses.replace(model.joints["cylinder"], axial_length=0.02)
+    machine = dataclasses.replace(model, joints={**model.joints, "cylinder": cylinder})
+    (text,) = wear_length(machine, machine.contacts)
+    assert text == "Wear of cylinder: on 20 mm, the length of joints without axial_length."
 
 
 def test_a_pressure_on_the_default_length_names_it() -> None:

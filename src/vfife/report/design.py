@@ -27,6 +27,7 @@ from .design_words import (
     life_cautions,
     life_range,
     life_sentence,
+    missing_parts,
     quantity_of,
     reference_words,
     sentence,
@@ -44,7 +45,6 @@ if TYPE_CHECKING:
     from ..assessment.answer import Design, JointDesign, Life
 
 IMPACT_MEASURES = (".approach_speed.max", ".impacts", ".impact_power.mean")
-PART_WORDS = {"life": "lives", "limits": "machines within the limits of the fits"}
 NO_LAW_CAUTION = "no caution says that the contact law decides this measure."
 NO_MATTER = (
     1.0  # %; a clearance that changes the measure by no more over its tolerance does not matter for it
@@ -349,8 +349,7 @@ def machine_range(design: Design) -> tuple[str, str]:
 def interruption(design: Design) -> Iterator[str]:
     """Yield which parts of an interrupted answer are missing; the life may be there in part."""
     if not design.complete:
-        names = [PART_WORDS.get(part, part) for part in sorted(design.missing)]
-        missing = f": {and_words(names)}" if names else ""
+        missing = f": {missing_parts(design)}" if design.missing else ""
         yield f"The computation was interrupted: parts are missing{missing}."
 
 

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 UNKNOWN = "not known"
 MISSING = "not estimated"
 MOST_PARTS = 1e-3  # of a difference: its range is not shown finer
+PART_WORDS = {"life": "lives", "limits": "machines within the limits of the fits"}
 MEASURES = {  # endings of names of measures, and their words
     "force.max": "the largest force on {}", "approach_speed.max": "the hardest knock of {}",
     "torque.max": "the largest torque of {}", "moment.max": "the largest moment of {}",
@@ -45,6 +46,11 @@ MEASURES = {  # endings of names of measures, and their words
 def and_words(names: list[str]) -> str:
     """Return names as words of a sentence."""
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
+def missing_parts(design: Design) -> str:
+    """Return the parts that an answer does not have, in words."""
+    return and_words([PART_WORDS.get(part, part) for part in sorted(design.missing)])
 
 
 def or_words(names: list[str]) -> str:

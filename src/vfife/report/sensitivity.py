@@ -250,8 +250,9 @@ def _loads(result: Comparison) -> Iterator[Part]:
         title = f"Loads that the laws change by more than {100.0 * CHANGED:g} %, of the largest"
         yield Table(heads, rows, title, numbers=range(1, len(heads)), names=(0,))
         yield Paragraph(
-            "Only a measurement shows which law holds for a joint. To size a part, take at least the largest"
-            " value of its row; the load of the machine may be larger still."
+            "Only a measurement shows which law holds for a joint. A part that carries the largest value of"
+            " its row carries the load by each of these laws; that by a law without damping may be several"
+            " times the others, and the load of the machine may exceed them all."
         )
 
 

@@ -128,8 +128,9 @@ def length_sentence(subject: str, joints: list[str]) -> str:
 
 
 def length_note(summary: Mapping[str, Any], joints: Iterable[str]) -> str:
-    """Return a sentence on the ``joints`` whose pressure is on a default length that is unlike their size; ""
-    for none."""
+    """Return a sentence on the ``joints`` whose pressure is on a default length unlike their size; "" for
+    none.
+    """
     names = [name for name in joints if "default_length" in summary["joints"][name]]
     return length_sentence("Pressure", names)
 

@@ -12,6 +12,7 @@ from ...files import write_text
 from ...job.job import Interrupted
 from ...report.design import document
 from ...report.design import report as design_report
+from ...report.design_words import missing_parts
 from ...report.document import Document, Figure
 from ...report.front import Front
 from ...report.html import page
@@ -55,8 +56,8 @@ def design(options: DesignOptions) -> None:
             write_page(page, answer, options, front)
     options.answer(page, options.target)
     if not answer.complete:
-        missing = ", ".join(answer.missing)
-        end_interrupted(f": {missing} not computed. The same command begins again.")
+        force = "" if options.target is None or options.force else " with --force"
+        end_interrupted(f": {missing_parts(answer)} not computed. The same command{force} begins again.")
 
 
 def compute(options: DesignOptions, mechanism: Any, keys: dict[str, Any]) -> Any:
